@@ -1,0 +1,14 @@
+//! Segmenters: from tracked strokes to the creature's mask in every frame.
+
+use crate::clip::Clip;
+use crate::error::Result;
+use crate::job::Stage;
+use crate::motion::Motion;
+use crate::raster::Mask;
+use crate::rig::Rig;
+
+/// Anything that cuts the creature out of every frame.
+pub trait Segmenter: Send + Sync {
+    /// One mask a frame, of the clip's size. `motion` is the rig's limbs, tracked.
+    fn segment(&self, clip: &Clip, rig: &Rig, motion: &Motion, stage: Stage<'_>) -> Result<Vec<Mask>>;
+}

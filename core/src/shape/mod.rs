@@ -1,0 +1,6 @@
+//! Shapes that a motion drives.
+
+pub mod creature;
+mod rigged_model;
+
+pub use rigged_model::{Bone, RiggedModel, SkinnedPart, Transform};
