@@ -1,5 +1,9 @@
 //! The built-in limb tracker. Base: Reinert 2016, section 3.5.
 
+mod params;
+
+pub use params::{LimbParams, Method, PaperParams};
+
 use glam::Vec2;
 
 use super::Tracker;
@@ -11,14 +15,17 @@ use crate::rig::{Rig, Skeleton};
 
 /// Tracks limbs. (First floor: key frames joined by straight lines.)
 #[derive(Clone, Debug, Default)]
-pub struct LimbTracker {}
+pub struct LimbTracker {
+    /// How.
+    pub params: LimbParams,
+}
 
 impl Tracker for LimbTracker {
     fn track(&self, clip: &Clip, rig: &Rig, stage: Stage<'_>) -> Result<Motion> {
         let info = clip.info();
         rig.validate(Some(((info.width, info.height), info.frames)))?;
         stage.name("tracking")?;
-        let skeleton = Skeleton::new(rig, 10.0);
+        let skeleton = Skeleton::new(rig, self.params.spacing);
         let tracks = (0..rig.limbs.len()).map(|l| {
             let keys: Vec<(usize, Vec<Vec2>)> =
                 rig.keys_of(l).filter_map(|(f, _)| Some((f, skeleton.drawn(rig, l, f)?))).collect();

@@ -1,0 +1,90 @@
+//! All parameters of the limb tracker in one struct: the paper's values as they scale, and ours.
+//!
+//! Reinert 2016 (section 3.5) gives pixel constants for clips squeezed to 512 x 512. Marey keeps the aspect ratio, so
+//! every constant in pixels is multiplied by [`LimbParams::scale`]: the geometric mean of the working image's sides
+//! over 512.
+
+/// How limbs are followed between key frames.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Method {
+    /// One optimum over all frames of a range: dense flow, key-frame appearance, limb rigidity, gait of hidden limbs.
+    #[default]
+    SpaceTime,
+    /// Reinert 2016, section 3.5: SSD templates, tree dynamic programming frame by frame, both directions blended.
+    Paper,
+}
+
+/// Parameters of [`super::LimbTracker`]. Lengths are in pixels of a 512 x 512 image unless said otherwise.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LimbParams {
+    /// Which tracker.
+    pub method: Method,
+    /// Longest side of the working image in pixels; larger clips are reduced to it.
+    pub working_side: u32,
+    /// Distance between skeleton vertices (paper: about 10).
+    pub spacing: f32,
+    /// The paper's tracker.
+    pub paper: PaperParams,
+}
+
+/// Parameters of the 2016 paper's tracker, with the paper's values as defaults where it gives any. Lengths are in
+/// pixels of a 512 x 512 image.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PaperParams {
+    /// Side of the square window that is searched around the previous place (paper: 64).
+    pub window: f32,
+    /// Side of the square patches compared (paper: 32).
+    pub patch: f32,
+    /// How many of the last unoccluded frames give templates (paper: 3).
+    pub templates: usize,
+    /// How many rotations of each template are tried (paper: 7).
+    pub rotations: usize,
+    /// Largest rotation in degrees, either way (paper: 10).
+    pub max_rotation: f32,
+    /// Unoccluded candidates kept for a vertex: the best local minima (paper: 5).
+    pub candidates: usize,
+    /// Occluded candidates for a vertex, on a regular grid over the window (paper: 100).
+    pub occluded_candidates: usize,
+    /// Cost of being occluded, over the best unoccluded cost of the previous frame (paper: 1.5).
+    pub occlusion_cost: f32,
+    /// Weight of the distance and direction terms (paper: 10).
+    pub smoothness: f32,
+    /// Points of cost for one mean squared colour difference on a 0..1 scale; the paper leaves the unit open.
+    pub colour_unit: f32,
+    /// Least distance between two unoccluded candidates; keeps one blob from filling the list.
+    pub separation: f32,
+    /// A far limb's vertices nearer than this to another stroke must be occluded (paper: 20).
+    pub crowding: f32,
+}
+
+impl Default for LimbParams {
+    fn default() -> Self {
+        Self { method: Method::default(), working_side: 768, spacing: 10.0, paper: PaperParams::default() }
+    }
+}
+
+impl Default for PaperParams {
+    fn default() -> Self {
+        Self {
+            window: 64.0,
+            patch: 32.0,
+            templates: 3,
+            rotations: 7,
+            max_rotation: 10.0,
+            candidates: 5,
+            occluded_candidates: 100,
+            occlusion_cost: 1.5,
+            smoothness: 10.0,
+            colour_unit: 1000.0,
+            separation: 3.0,
+            crowding: 20.0,
+        }
+    }
+}
+
+impl LimbParams {
+    /// Working pixels for one pixel of the paper's 512 x 512 image, for a working image of this size.
+    pub fn scale(width: usize, height: usize) -> f32 {
+        ((width * height) as f32).sqrt() / 512.0
+    }
+}
