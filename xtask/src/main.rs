@@ -1,2 +1,38 @@
-//! The project's chores.
-fn main() {}
+//! The project's chores. `cargo xtask` lists them.
+
+mod check;
+mod measure;
+mod shell;
+mod system;
+mod test;
+mod validator;
+
+use anyhow::{Result, bail};
+
+const HELP: &str = "\
+cargo xtask COMMAND
+
+  test               everything that must pass; installs or names missing system packages
+  check              format, lints, documentation, dependency licences and sources
+  measure DATA ...   the table of scores on a data folder (release build)
+  validate GLB ...   the Khronos glTF validator on files
+";
+
+fn main() -> Result<()> {
+    let args: Vec<String> = std::env::args().skip(1).collect();
+    let Some((command, rest)) = args.split_first() else {
+        shell::say(HELP);
+        return Ok(());
+    };
+    match command.as_str() {
+        "test" => test::run(),
+        "check" => check::run(),
+        "measure" => measure::run(rest),
+        "validate" => validator::run(rest),
+        "help" | "--help" | "-h" => {
+            shell::say(HELP);
+            Ok(())
+        }
+        other => bail!("no command `{other}`\n\n{HELP}"),
+    }
+}

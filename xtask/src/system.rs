@@ -1,0 +1,44 @@
+//! System programs that the tests use: found, installed where that can be done without asking, or named.
+
+use anyhow::{Result, bail};
+
+use crate::shell::{has, program, run, say};
+
+/// A program and the Debian package that brings it.
+struct Needed {
+    program: &'static str,
+    package: &'static str,
+    why: &'static str,
+}
+
+const NEEDED: [Needed; 5] = [
+    Needed { program: "cc", package: "gcc", why: "builds the C host" },
+    Needed { program: "c++", package: "g++", why: "builds the H.264 decoder and C++ checks of the header" },
+    Needed { program: "clang", package: "clang", why: "is the second compiler of the header's compile matrix" },
+    Needed { program: "nm", package: "binutils", why: "lists exported symbols" },
+    Needed { program: "npm", package: "npm", why: "fetches the Khronos glTF validator, which runs on node" },
+];
+
+/// Makes sure that every needed program is there: with apt-get as root, else by naming the packages.
+pub(crate) fn ensure() -> Result<()> {
+    let missing: Vec<&Needed> = NEEDED.iter().filter(|n| !has(n.program)).collect();
+    if missing.is_empty() {
+        return Ok(());
+    }
+    for needed in &missing {
+        say(&format!("missing: {} ({})", needed.program, needed.why));
+    }
+    let packages: Vec<&str> = missing.iter().map(|n| n.package).collect();
+    let root = crate::shell::read(program("id").arg("-u")).is_ok_and(|id| id.trim() == "0");
+    if !(root && has("apt-get")) {
+        bail!("install these programs, on Debian or Ubuntu by: sudo apt-get install {}", packages.join(" "));
+    }
+    run(program("apt-get").arg("update").arg("-qq"))?;
+    let mut install = program("apt-get");
+    install.env("DEBIAN_FRONTEND", "noninteractive");
+    run(install.args(["install", "-y", "-qq", "--no-install-recommends"]).args(&packages))?;
+    match missing.iter().find(|n| !has(n.program)) {
+        None => Ok(()),
+        Some(still) => bail!("{} is still missing after installing {}", still.program, still.package),
+    }
+}
