@@ -1,5 +1,6 @@
 //! Trackers: from what the user marked on a few frames to a [`Motion`] over all of them.
 
+pub mod flow;
 pub mod limb;
 
 use crate::clip::Clip;
