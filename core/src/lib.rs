@@ -20,6 +20,7 @@ pub mod export;
 pub mod geometry;
 pub mod job;
 pub mod motion;
+pub mod pipeline;
 pub mod raster;
 pub mod rig;
 pub mod segment;

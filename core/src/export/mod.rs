@@ -1,1 +1,12 @@
-//! Results out: files that other programs open.
+//! Everything that leaves the engine: files for other programs and pictures for people.
+
+mod creature_folder;
+mod folder;
+mod masks;
+pub mod report;
+mod write_aside;
+
+pub use creature_folder::{CreatureFiles, FolderOptions, write_creature};
+pub use folder::StagedFolder;
+pub use masks::{write_mask_folder, write_masks};
+pub use write_aside::write_aside;

@@ -1,0 +1,221 @@
+//! report.json: what a run did, how long each stage took, what a person should know, and what to correct next.
+//!
+//! Key frames are worth more than any algorithm, so the report says where one more stroke would help most: the limbs
+//! and frames whose tracked places are trusted least. Unknown keys are ignored on reading.
+
+use serde::{Deserialize, Serialize};
+
+use crate::clip::ClipInfo;
+use crate::motion::Motion;
+use crate::rig::Rig;
+use crate::shape::RiggedModel;
+
+/// The `format` of every report.
+pub const FORMAT: &str = "marey-report";
+const VERSION: u32 = 1;
+/// How many corrections a report suggests.
+const SUGGESTIONS: usize = 5;
+/// Suggestions for one limb keep this share of the clip between them: a stroke also helps its neighbours.
+const SUGGESTION_GAP: f32 = 0.1;
+
+/// What a run did.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Report {
+    /// Always `marey-report`.
+    pub format: String,
+    /// Version of the format.
+    pub version: u32,
+    /// The program's version.
+    pub generator: String,
+    /// The clip.
+    pub clip: ClipSummary,
+    /// What was made.
+    pub counts: Counts,
+    /// The stages in the order they ran, with their wall time.
+    pub stages: Vec<StageSeconds>,
+    /// The sum of the stages' seconds.
+    pub total_seconds: f64,
+    /// What a person should know, one sentence each.
+    pub warnings: Vec<String>,
+    /// How far each limb is to be trusted, in the rig's order.
+    pub limbs: Vec<LimbConfidence>,
+    /// The strokes that would help most, the most helpful first.
+    pub correct_next: Vec<Correction>,
+    /// The settings the caller ran with, as the caller put them.
+    #[serde(default)]
+    pub settings: serde_json::Value,
+    /// Files and folders written, relative to the report.
+    #[serde(default)]
+    pub outputs: Vec<String>,
+}
+
+/// The clip of a report.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ClipSummary {
+    /// What read it.
+    pub source: String,
+    /// Pixels across.
+    pub width: u32,
+    /// Pixels down.
+    pub height: u32,
+    /// Frames read.
+    pub frames: usize,
+    /// Mean frames a second.
+    pub fps: f64,
+}
+
+/// How much was made.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Counts {
+    /// Frames of the motion.
+    pub frames: usize,
+    /// Key frames that were drawn on.
+    pub key_frames: usize,
+    /// Limbs.
+    pub limbs: usize,
+    /// Bones of the model.
+    pub bones: usize,
+    /// Vertices of all parts.
+    pub vertices: usize,
+    /// Triangles of all parts.
+    pub triangles: usize,
+    /// Texels of all parts.
+    pub texels: usize,
+}
+
+/// How long a stage took.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct StageSeconds {
+    /// The stage.
+    pub name: String,
+    /// Its wall time.
+    pub seconds: f64,
+}
+
+/// How far one limb is to be trusted.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LimbConfidence {
+    /// The limb's label.
+    pub limb: String,
+    /// Mean confidence over all frames and points, 0..=1.
+    pub mean: f32,
+    /// The lowest mean of any frame.
+    pub lowest: f32,
+    /// The frame where that is.
+    pub lowest_frame: usize,
+    /// The share of points seen, over all frames.
+    pub visible: f32,
+}
+
+/// A stroke worth drawing.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Correction {
+    /// The frame to draw on.
+    pub frame: usize,
+    /// The limb to draw.
+    pub limb: String,
+    /// How far it is trusted there now, 0..=1.
+    pub confidence: f32,
+}
+
+impl Report {
+    /// A report of a clip and what was tracked in it; stages, model and outputs are added as they come.
+    pub fn new(clip: &ClipInfo, rig: &Rig, motion: &Motion) -> Self {
+        let means = frame_means(motion);
+        Self {
+            format: FORMAT.into(),
+            version: VERSION,
+            generator: concat!("marey ", env!("CARGO_PKG_VERSION")).into(),
+            clip: ClipSummary {
+                source: clip.source.into(),
+                width: clip.width,
+                height: clip.height,
+                frames: clip.frames,
+                fps: clip.fps,
+            },
+            counts: Counts {
+                frames: motion.frames,
+                key_frames: rig.keyframes.iter().filter(|k| !k.strokes.is_empty()).count(),
+                limbs: rig.limbs.len(),
+                ..Counts::default()
+            },
+            stages: Vec::new(),
+            total_seconds: 0.0,
+            warnings: clip.warnings.clone(),
+            limbs: limb_confidences(motion, &means),
+            correct_next: corrections(motion, rig, &means),
+            settings: serde_json::Value::Null,
+            outputs: Vec::new(),
+        }
+    }
+
+    /// Counts what the model is made of.
+    pub fn count_model(&mut self, model: &RiggedModel) {
+        self.counts.bones = model.bones.len();
+        self.counts.vertices = model.parts.iter().map(|p| p.mesh.positions.len()).sum();
+        self.counts.triangles = model.parts.iter().map(|p| p.mesh.triangles.len()).sum();
+        self.counts.texels = model.parts.iter().map(|p| p.texture.width() as usize * p.texture.height() as usize).sum();
+    }
+
+    /// Adds a stage that took `seconds`.
+    pub fn stage(&mut self, name: &str, seconds: f64) {
+        self.stages.push(StageSeconds { name: name.into(), seconds: (seconds * 1e4).round() / 1e4 });
+        self.total_seconds = (self.stages.iter().map(|s| s.seconds).sum::<f64>() * 1e4).round() / 1e4;
+    }
+
+    /// The text of report.json.
+    pub fn to_json(&self) -> String {
+        serde_json::to_string_pretty(self).unwrap_or_default()
+    }
+}
+
+/// For each track and frame the mean confidence of its points.
+fn frame_means(motion: &Motion) -> Vec<Vec<f32>> {
+    let mean = |values: &[f32]| values.iter().sum::<f32>() / values.len().max(1) as f32;
+    motion.tracks.iter().map(|t| t.frames.iter().map(|f| mean(&f.confidence)).collect()).collect()
+}
+
+fn limb_confidences(motion: &Motion, means: &[Vec<f32>]) -> Vec<LimbConfidence> {
+    let summary = |(track, means): (&crate::motion::Track, &Vec<f32>)| {
+        let (lowest_frame, lowest) =
+            means.iter().copied().enumerate().min_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((0, 1.0));
+        let points: usize = track.frames.iter().map(|f| f.visible.len()).sum();
+        let seen: usize = track.frames.iter().map(|f| f.visible.iter().filter(|v| **v).count()).sum();
+        LimbConfidence {
+            limb: track.name.clone(),
+            mean: means.iter().sum::<f32>() / means.len().max(1) as f32,
+            lowest,
+            lowest_frame,
+            visible: seen as f32 / points.max(1) as f32,
+        }
+    };
+    motion.tracks.iter().zip(means).map(summary).collect()
+}
+
+/// The least trusted limb and frame, then the next that is not just its neighbour. Key frames are never among them.
+fn corrections(motion: &Motion, rig: &Rig, means: &[Vec<f32>]) -> Vec<Correction> {
+    let drawn = |name: &str, frame: usize| {
+        rig.limbs.iter().position(|l| l.label == name).is_some_and(|limb| rig.stroke(limb, frame).is_some())
+    };
+    let mut places: Vec<(f32, usize, usize)> = Vec::new();
+    for (track, means) in means.iter().enumerate() {
+        for (frame, &mean) in means.iter().enumerate() {
+            if mean < 1.0 && !drawn(&motion.tracks[track].name, frame) {
+                places.push((mean, frame, track));
+            }
+        }
+    }
+    places.sort_by(|a, b| a.0.total_cmp(&b.0).then((a.1, a.2).cmp(&(b.1, b.2))));
+    let gap = (motion.frames as f32 * SUGGESTION_GAP).ceil() as usize;
+    let mut chosen: Vec<(f32, usize, usize)> = Vec::new();
+    for place in places {
+        if chosen.iter().all(|c| c.2 != place.2 || c.1.abs_diff(place.1) > gap) {
+            chosen.push(place);
+            if chosen.len() == SUGGESTIONS {
+                break;
+            }
+        }
+    }
+    let name = |track: usize| motion.tracks[track].name.clone();
+    chosen.into_iter().map(|(confidence, frame, t)| Correction { frame, limb: name(t), confidence }).collect()
+}
