@@ -1,4 +1,8 @@
-//! Segmenters: from tracked strokes to the creature's mask in every frame.
+//! Segmenters: from tracked strokes to the creature's mask in every frame, and from a mask to its limbs.
+
+mod limbs;
+
+pub use limbs::{label_limbs, label_limbs_by_depth, limb_sides};
 
 use crate::clip::Clip;
 use crate::error::Result;
