@@ -4,9 +4,13 @@ mod grid;
 mod lab;
 mod mask;
 mod planes;
+mod push_pull;
 pub mod pyramid;
+mod rasterizer;
 pub mod sample;
 
 pub use grid::Grid;
 pub use mask::Mask;
 pub use planes::Planes;
+pub use push_pull::{Wrap, push_pull};
+pub use rasterizer::{Rasterizer, Surface, clip_view, orbit_view};
