@@ -2,11 +2,10 @@
 
 use std::path::Path;
 
-use image::ImageEncoder;
-use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use rayon::prelude::*;
 
 use super::folder::{REPORT, StagedFolder};
+use super::png::encode_mask;
 use super::report::Report;
 use crate::error::{Error, Result};
 use crate::job::Stage;
@@ -19,11 +18,7 @@ pub fn write_masks(folder: &Path, masks: &[Mask], stage: Stage<'_>) -> Result<()
         let n = done.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
         stage.at(n as f64 / masks.len() as f64)?;
         let path = folder.join(frame_name(frame, "png"));
-        let image = mask.to_image();
-        let mut bytes = Vec::new();
-        PngEncoder::new_with_quality(&mut bytes, CompressionType::Fast, FilterType::NoFilter)
-            .write_image(image.as_raw(), image.width(), image.height(), image::ExtendedColorType::L8)
-            .map_err(|e| Error::file(&path, e.to_string(), "expected a mask that fits a PNG"))?;
+        let bytes = encode_mask(mask)?;
         std::fs::write(&path, bytes).map_err(|e| Error::io(&path, "write", e))
     })
 }

@@ -2,7 +2,9 @@
 
 mod creature_folder;
 mod folder;
+pub mod gltf;
 mod masks;
+mod png;
 pub mod report;
 mod write_aside;
 

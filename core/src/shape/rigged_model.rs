@@ -6,6 +6,7 @@
 use glam::{Mat4, Quat, Vec3};
 use image::RgbImage;
 
+use crate::error::{Error, Result};
 use crate::geometry::TriMesh;
 
 /// A bone of the hierarchy.
@@ -49,6 +50,33 @@ pub struct SkinnedPart {
     pub texture: RgbImage,
 }
 
+impl SkinnedPart {
+    fn validate(&self, bones: usize) -> Result<()> {
+        let bad = |problem: &str| Err(Error::invalid(format!("part `{}`", self.name), problem, "build the model anew"));
+        let n = self.mesh.positions.len();
+        if [self.mesh.normals.len(), self.mesh.uvs.len(), self.bones.len(), self.weights.len()] != [n; 4] {
+            return bad("its vertex lists differ in length");
+        }
+        if self.mesh.triangles.iter().flatten().any(|&v| v as usize >= n) {
+            return bad("a triangle has a vertex that is not there");
+        }
+        let real = self.mesh.positions.iter().chain(&self.mesh.normals).all(|v| v.is_finite());
+        if !real || !self.mesh.uvs.iter().all(|v| v.is_finite()) {
+            return bad("a vertex holds something that is no number");
+        }
+        if self.bones.iter().flatten().any(|&b| usize::from(b) >= bones) {
+            return bad("a vertex hangs on a bone that is not there");
+        }
+        if !self.weights.iter().all(|w| w.iter().all(|w| *w >= 0.0) && (w.iter().sum::<f32>() - 1.0).abs() < 1e-3) {
+            return bad("a vertex has weights that do not add up to 1");
+        }
+        if self.texture.width() == 0 || self.texture.height() == 0 {
+            return bad("its texture is empty");
+        }
+        Ok(())
+    }
+}
+
 /// A whole animated model.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RiggedModel {
@@ -67,6 +95,39 @@ pub struct RiggedModel {
 }
 
 impl RiggedModel {
+    /// Checks what [`Self::pose`], exporters and renderers rely on: lists of one length, parents before children,
+    /// indices that exist, real numbers, and something to see.
+    pub fn validate(&self) -> Result<()> {
+        let bad = |what: String, problem: &str| Err(Error::invalid(what, problem, "build the model anew"));
+        let bones = self.bones.len();
+        if bones == 0 || bones > usize::from(u16::MAX) {
+            return bad("the model".into(), &format!("has {bones} bones"));
+        }
+        if self.bones.iter().enumerate().any(|(i, b)| b.parent.is_some_and(|p| p >= i)) {
+            return bad("the model".into(), "lists a bone before its parent");
+        }
+        if !(self.fps.is_finite() && self.fps > 0.0) {
+            return bad("the model".into(), "has no frames a second");
+        }
+        for (frame, pose) in std::iter::once(&self.rest).chain(&self.animation).enumerate() {
+            let what = || if frame == 0 { "the rest pose".to_owned() } else { format!("frame {}", frame - 1) };
+            if pose.len() != bones {
+                return bad(what(), &format!("moves {} of {bones} bones", pose.len()));
+            }
+            let real = |t: &Transform| t.translation.is_finite() && (t.rotation.length() - 1.0).abs() < 1e-3;
+            if let Some(bone) = pose.iter().position(|t| !real(t)) {
+                return bad(format!("bone `{}` in {}", self.bones[bone].name, what()), "is nowhere");
+            }
+        }
+        for part in &self.parts {
+            part.validate(bones)?;
+        }
+        if self.parts.iter().all(|p| p.mesh.triangles.is_empty()) {
+            return bad("the model".into(), "has no surface");
+        }
+        Ok(())
+    }
+
     /// World matrices of all bones for local transforms.
     pub fn world(&self, local: &[Transform]) -> Vec<Mat4> {
         let mut world: Vec<Mat4> = Vec::with_capacity(self.bones.len());

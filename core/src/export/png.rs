@@ -1,0 +1,26 @@
+//! Pictures as PNG bytes, fast rather than smallest.
+
+use image::codecs::png::{CompressionType, FilterType, PngEncoder};
+use image::{ExtendedColorType, ImageEncoder, RgbImage};
+
+use crate::error::{Error, Result};
+use crate::raster::Mask;
+
+/// An sRGB picture.
+pub(super) fn encode_rgb(image: &RgbImage) -> Result<Vec<u8>> {
+    encode(image.as_raw(), image.dimensions(), ExtendedColorType::Rgb8, FilterType::Adaptive)
+}
+
+/// A mask as 8-bit grey, 0 or 255.
+pub(super) fn encode_mask(mask: &Mask) -> Result<Vec<u8>> {
+    let image = mask.to_image();
+    encode(image.as_raw(), image.dimensions(), ExtendedColorType::L8, FilterType::NoFilter)
+}
+
+fn encode(pixels: &[u8], (width, height): (u32, u32), color: ExtendedColorType, filter: FilterType) -> Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    PngEncoder::new_with_quality(&mut bytes, CompressionType::Fast, filter)
+        .write_image(pixels, width, height, color)
+        .map_err(|e| Error::invalid(format!("a picture of {width}x{height}"), e.to_string(), "expected pixels to write"))?;
+    Ok(bytes)
+}

@@ -1,0 +1,4 @@
+//! What leaves the engine, read back by somebody else.
+
+mod gltf;
+mod model;
