@@ -46,6 +46,16 @@ impl Planes {
         Self { channels: std::array::from_fn(|c| pyramid::halved(&self.channels[c])) }
     }
 
+    /// The rectangle of `width` x `height` pixels from column and row `origin`; where it leaves the image, the image's
+    /// border repeated.
+    pub fn crop(&self, origin: (isize, isize), width: usize, height: usize) -> Self {
+        let cut = |grid: &Grid<f32>| {
+            let at = |i: usize| grid.clamped(origin.0 + (i % width) as isize, origin.1 + (i / width) as isize);
+            Grid::from_vec(width, height, (0..width * height).map(at).collect())
+        };
+        Self { channels: std::array::from_fn(|c| cut(&self.channels[c])) }
+    }
+
     /// The colour at a place in pixels, bilinear, the nearest one inside for places outside.
     #[inline]
     pub fn at(&self, p: glam::Vec2) -> [f32; 3] {

@@ -1,8 +1,16 @@
 //! The built-in limb tracker. Base: Reinert 2016, section 3.5.
 
+mod candidates;
+mod limb_width;
 mod params;
+mod patch;
+#[cfg(test)]
+mod stage_set;
+mod templates;
 
-pub use params::{LimbParams, Method, PaperParams};
+pub use candidates::{Candidate, CostMap};
+pub use params::{LimbParams, Method, PaperParams, TemplateParams};
+pub use templates::{Detection, KeyTemplates, MatchImage};
 
 use glam::Vec2;
 

@@ -27,6 +27,23 @@ pub struct LimbParams {
     pub paper: PaperParams,
 }
 
+/// Parameters of key-frame templates, see [`super::KeyTemplates`]. Lengths are in pixels of a 512 x 512 image.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TemplateParams {
+    /// Side of the square patches compared.
+    pub side: f32,
+    /// Standard deviation, as a share of the side, of the Gaussian by which pixels far from the vertex weigh less.
+    pub sigma: f32,
+    /// Weight of pixels that do not look like the limb, against 1 for those that do.
+    pub background: f32,
+    /// Largest squared Lab difference (of Lab / 100) that one pixel counts for.
+    pub truncation: f32,
+    /// Places returned by one search.
+    pub candidates: usize,
+    /// Least distance between two of them.
+    pub separation: f32,
+}
+
 /// Parameters of the 2016 paper's tracker, with the paper's values as defaults where it gives any. Lengths are in
 /// pixels of a 512 x 512 image.
 #[derive(Clone, Debug, PartialEq)]
@@ -60,6 +77,19 @@ pub struct PaperParams {
 impl Default for LimbParams {
     fn default() -> Self {
         Self { method: Method::default(), working_side: 768, spacing: 10.0, paper: PaperParams::default() }
+    }
+}
+
+impl Default for TemplateParams {
+    fn default() -> Self {
+        Self { side: 32.0, sigma: 0.3, background: 0.35, truncation: 0.09, candidates: 5, separation: 4.0 }
+    }
+}
+
+impl TemplateParams {
+    /// The same with lengths for an image in which `scale` pixels are one of the 512 x 512 image's.
+    pub fn scaled(&self, scale: f32) -> Self {
+        Self { side: self.side * scale, separation: self.separation * scale, ..self.clone() }
     }
 }
 
