@@ -1,12 +1,30 @@
 //! Video in: any clip as frames on demand, behind one type.
+//!
+//! A [`Clip`] is a video file or a folder of numbered images. Opening it reads only its index; frames are decoded when
+//! they are asked for, by decoders that run forward, and kept while they fit a bounded number of bytes. It is judged
+//! by its content, never by its name. MP4 and QuickTime with H.264 are decoded here.
+//!
+//! A clip that is damaged is not refused for it: what comes before the break can be read, and
+//! [`ClipInfo::warnings`] or the error of the frame says where the break is.
 
+mod cache;
 mod folder;
+#[cfg(feature = "h264")]
+mod mp4;
+mod orientation;
+mod pool;
+mod source;
+mod yuv;
 
-use std::path::Path;
-use std::sync::{Arc, Mutex};
+use std::io::Read;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use image::{GrayImage, RgbImage};
 
+use self::cache::Entry;
+use self::pool::Pool;
+use self::source::Source;
 use crate::error::{Error, Result};
 
 /// What a clip is.
@@ -35,29 +53,103 @@ pub struct Picture {
     pub alpha: Option<GrayImage>,
 }
 
-/// Where frames come from. Frame sizes are all the same.
-pub(crate) trait FrameSource: Send {
-    /// Decodes frame `index`, which is below the clip's frame count.
-    fn read(&mut self, index: usize) -> Result<Picture>;
+/// How to open a clip, and what it may cost.
+#[derive(Clone, Debug)]
+pub struct ClipOptions {
+    /// The ffmpeg program for what is not decoded here: a path, or a name that the system looks up. `ffprobe` is
+    /// expected beside it. [`None`]: no program is ever started.
+    pub ffmpeg: Option<PathBuf>,
+    /// Bytes of decoded frames that are kept.
+    pub cache_bytes: usize,
+    /// Pixels of one frame, at most.
+    pub max_pixels: u64,
+    /// Frames a second of a folder of images, which cannot say.
+    pub images_fps: f64,
 }
 
-/// A clip whose frames are decoded when asked for.
+impl Default for ClipOptions {
+    fn default() -> Self {
+        Self { ffmpeg: Some("ffmpeg".into()), cache_bytes: 256 << 20, max_pixels: 64 << 20, images_fps: 24.0 }
+    }
+}
+
+/// A clip whose frames are decoded when asked for. Threads may share it.
 pub struct Clip {
+    name: PathBuf,
     info: ClipInfo,
-    source: Mutex<Box<dyn FrameSource>>,
+    times: Vec<f64>,
+    /// The picture of each frame, where that is not the frame's own number.
+    pictures: Option<Vec<u32>>,
+    pool: Pool,
+}
+
+/// What each kind of clip gives on opening.
+struct Opened {
+    info: ClipInfo,
+    /// Seconds from the first frame, one for each frame.
+    times: Vec<f64>,
+    /// The picture of each frame, where that is not the frame's own number.
+    pictures: Option<Vec<u32>>,
+    source: Box<dyn Source>,
+}
+
+/// A kind of clip's opening.
+type Attempt<T> = std::result::Result<T, Refusal>;
+
+/// Why a kind of clip did not open.
+enum Refusal {
+    /// Nobody could.
+    Error(Error),
+    /// Another decoder may: what the file has that this one lacks.
+    Unsupported(String),
+}
+
+impl From<Error> for Refusal {
+    fn from(error: Error) -> Self {
+        Self::Error(error)
+    }
 }
 
 impl std::fmt::Debug for Clip {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Clip").field("info", &self.info).finish_non_exhaustive()
+        f.debug_struct("Clip").field("name", &self.name).field("info", &self.info).finish_non_exhaustive()
     }
 }
 
 impl Clip {
     /// Opens a video file or a folder of numbered images.
+    ///
+    /// # Errors
+    /// The file cannot be read, is no video, is damaged before its first frame, or is larger than the default
+    /// [`ClipOptions`] allow.
     pub fn open(path: impl AsRef<Path>) -> Result<Self> {
-        let (info, source) = folder::open(path.as_ref())?;
-        Ok(Self { info, source: Mutex::new(source) })
+        Self::open_with(path, &ClipOptions::default())
+    }
+
+    /// Opens a video file or a folder of numbered images.
+    ///
+    /// # Errors
+    /// As for [`Self::open`], with other bounds.
+    pub fn open_with(path: impl AsRef<Path>, options: &ClipOptions) -> Result<Self> {
+        let path = path.as_ref();
+        let opened = match Kind::of(path)? {
+            Kind::Folder => folder::open(path, options),
+            #[cfg(feature = "h264")]
+            Kind::Mp4 => mp4::open(path, options),
+            _ => Err(Refusal::Unsupported("an unknown kind of file".to_owned())),
+        };
+        match opened {
+            Ok(opened) => Ok(Self::new(path, opened, options)),
+            Err(Refusal::Error(error)) => Err(error),
+            Err(Refusal::Unsupported(what)) => {
+                Err(Error::file(path, format!("is {what}"), "convert it to MP4 with H.264"))
+            }
+        }
+    }
+
+    fn new(path: &Path, opened: Opened, options: &ClipOptions) -> Self {
+        let Opened { info, times, pictures, source } = opened;
+        Self { name: path.to_owned(), info, times, pictures, pool: Pool::new(source, options.cache_bytes) }
     }
 
     /// What the clip is.
@@ -65,16 +157,105 @@ impl Clip {
         &self.info
     }
 
-    /// Frame `index`, counted from 0.
+    /// When frame `index` is shown, in seconds from the first frame.
+    ///
+    /// # Errors
+    /// There is no such frame.
+    pub fn time(&self, index: usize) -> Result<f64> {
+        self.times.get(index).copied().ok_or_else(|| self.no_such_frame(index))
+    }
+
+    fn no_such_frame(&self, index: usize) -> Error {
+        Error::invalid(
+            format!("frame {index}"),
+            format!("the clip has {} frames", self.info.frames),
+            "frames count from 0",
+        )
+    }
+
+    /// Frame `index`, counted from 0, from the cache or decoded now. Any number of threads may ask at once.
+    ///
+    /// # Errors
+    /// There is no such frame, or its data is damaged; the message says which frames before it are good.
     pub fn frame(&self, index: usize) -> Result<Arc<Picture>> {
         if index >= self.info.frames {
-            return Err(Error::invalid(
-                format!("frame {index}"),
-                format!("the clip has {} frames", self.info.frames),
-                "frames count from 0",
-            ));
+            return Err(self.no_such_frame(index));
         }
-        let mut source = self.source.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-        source.read(index).map(Arc::new)
+        let number = self.pictures.as_ref().map_or(index, |p| p[index] as usize);
+        match self.pool.get(number)? {
+            Some(Entry::Picture(picture)) => Ok(picture),
+            Some(Entry::Planes(planes)) => {
+                let picture = Arc::new(planes.to_picture());
+                self.pool.keep(number, Entry::Picture(Arc::clone(&picture)));
+                Ok(picture)
+            }
+            Some(Entry::Damaged(why)) => Err(self.damaged(index, number, &why)),
+            None => Err(self.damaged(index, number, "the file ends before it")),
+        }
     }
+
+    fn damaged(&self, index: usize, number: usize, why: &str) -> Error {
+        // What precedes it in the same run of decoding came out well, or it would have been the first to fail.
+        let good = match number - self.pool.restart(number) {
+            0 => "the frames before it are not touched".to_owned(),
+            run => format!("the {} frames before it are good", run.min(index)),
+        };
+        Error::file(&self.name, format!("frame {index} cannot be decoded: {why}"), good)
+    }
+}
+
+/// What a file is, by its first bytes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    Folder,
+    Mp4,
+    Other,
+}
+
+impl Kind {
+    fn of(path: &Path) -> Result<Self> {
+        let meta = std::fs::metadata(path).map_err(|e| Error::io(path, "open", e))?;
+        if meta.is_dir() {
+            return Ok(Self::Folder);
+        }
+        if !meta.is_file() {
+            return Err(Error::file(path, "is no ordinary file", "expected a video file or a folder of images"));
+        }
+        if meta.len() == 0 {
+            return Err(Error::file(path, "is empty", "expected a video file"));
+        }
+        let mut head = Vec::with_capacity(16);
+        let file = std::fs::File::open(path).map_err(|e| Error::io(path, "open", e))?;
+        file.take(16).read_to_end(&mut head).map_err(|e| Error::io(path, "read", e))?;
+        Ok(match head.get(4..8) {
+            Some(b"ftyp" | b"moov" | b"mdat" | b"wide" | b"free" | b"skip" | b"pnot" | b"styp") => Self::Mp4,
+            _ => Self::Other,
+        })
+    }
+}
+
+/// Refuses frames larger than allowed, before anything is allocated for them.
+fn check_pixels(path: &Path, width: u32, height: u32, options: &ClipOptions) -> Result<()> {
+    let pixels = u64::from(width) * u64::from(height);
+    if pixels == 0 {
+        return Err(Error::file(path, format!("is {width}x{height} pixels"), "expected at least one pixel"));
+    }
+    if pixels > options.max_pixels {
+        return Err(Error::Limit {
+            what: format!("a frame of {} ({width}x{height} pixels)", path.display()),
+            value: pixels,
+            max: options.max_pixels,
+            remedy: "scale the clip down".to_owned(),
+        });
+    }
+    Ok(())
+}
+
+/// Mean frames a second of frames shown at `times`, the last one for `last` seconds.
+fn mean_fps(times: &[f64], last: f64) -> f64 {
+    let span = times.last().copied().unwrap_or(0.0) - times.first().copied().unwrap_or(0.0);
+    let fps = if span > 0.0 { (times.len() - 1) as f64 / span } else { 1.0 / last };
+    // Seconds are rounded sums of ticks; 30 frames a second must say 30.
+    let fps = (fps * 1e9).round() / 1e9;
+    if fps.is_finite() && fps > 0.0 { fps } else { 24.0 }
 }
