@@ -1,5 +1,7 @@
 //! Pixels: float grids, bit masks, filters, and a small rasterizer. Knows nothing of clips, rigs or creatures.
 
+pub(crate) mod distance;
+pub(crate) mod gaussian;
 mod grid;
 mod lab;
 mod mask;

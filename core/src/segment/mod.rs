@@ -1,5 +1,6 @@
 //! Segmenters: from tracked strokes to the creature's mask in every frame, and from a mask to its limbs.
 
+mod grid_cut;
 mod limbs;
 
 pub use limbs::{label_limbs, label_limbs_by_depth, limb_sides};
