@@ -1,9 +1,20 @@
 //! Segmenters: from tracked strokes to the creature's mask in every frame, and from a mask to its limbs.
 
+mod colour_model;
+mod cost_volume;
+mod evidence;
 mod grid_cut;
+mod layered;
+mod limb_shape;
 mod limbs;
+mod params;
+mod refine;
+mod stroke_field;
+mod working;
 
+pub use cost_volume::CostVolumeSegmenter;
 pub use limbs::{label_limbs, label_limbs_by_depth, limb_sides};
+pub use params::{Method, PaperParams, SegmentParams};
 
 use crate::clip::Clip;
 use crate::error::Result;

@@ -1,0 +1,34 @@
+//! The built-in segmenter.
+
+use super::Segmenter;
+use super::layered::{Layers, SPACING};
+use super::params::SegmentParams;
+use super::refine::refine;
+use super::working::{Limbs, Working, for_batches};
+use crate::clip::Clip;
+use crate::error::Result;
+use crate::job::Stage;
+use crate::motion::Motion;
+use crate::raster::Mask;
+use crate::rig::Rig;
+
+/// Cuts a creature out of its clip along its tracked strokes.
+#[derive(Clone, Debug, Default)]
+pub struct CostVolumeSegmenter {
+    /// How.
+    pub params: SegmentParams,
+}
+
+impl Segmenter for CostVolumeSegmenter {
+    fn segment(&self, clip: &Clip, rig: &Rig, motion: &Motion, stage: Stage<'_>) -> Result<Vec<Mask>> {
+        let info = clip.info();
+        rig.validate(Some(((info.width, info.height), info.frames)))?;
+        let working = Working::read(clip, self.params.working_side, stage.part(0.0, 0.15))?;
+        let limbs = Limbs::new(rig, motion, working.scale, info.frames, SPACING);
+        let layers = Layers::new(&working, &limbs, &self.params, stage.part(0.15, 0.2))?;
+        let small = layers.masks(stage.part(0.2, 0.85))?;
+        let mut masks = Vec::with_capacity(info.frames);
+        for_batches(clip, stage.part(0.85, 1.0), |f, picture| Ok(refine(&picture.rgb, &small[f])), &mut masks)?;
+        Ok(masks)
+    }
+}

@@ -1,0 +1,261 @@
+//! The default segmenter: learned limb shapes, local colours, exact cuts.
+//!
+//! Masks and models are refined in turn. In the beginning only the strokes and what is far from all of them teach
+//! colours, and limb radii come from the colours over all frames; every later pass learns colours from the masks of
+//! the last one, and carries those masks from frame to frame in limb coordinates. Every pass ends with a minimum cut
+//! per frame over colour evidence, shape and contrast (Boykov and Jolly 2001; Rother, Kolmogorov and Blake 2004).
+
+use rayon::prelude::*;
+
+use super::evidence::{Lesson, Lessons, Tiles, colour_evidence};
+use super::grid_cut::{GridCut, Neighbour};
+use super::limb_shape::{Cells, Profile, carried, occupancy};
+use super::params::SegmentParams;
+use super::stroke_field::{NOWHERE, Place, stroke_field};
+use super::working::{Limbs, Working};
+use crate::error::Result;
+use crate::job::Stage;
+use crate::raster::{Grid, Mask};
+
+/// Distance between samples along limbs, in working pixels.
+pub(super) const SPACING: f32 = 3.0;
+/// Pixels this near to a visible stroke teach the first colours, in working pixels.
+const STROKE_WIDTH: f32 = 1.5;
+/// Fixed point of the cut's capacities.
+const UNIT: f32 = 256.0;
+/// How soft a limb's border is, as a share of its radius and in pixels.
+const SOFTNESS: (f32, f32) = (0.2, 1.5);
+/// Prior knowledge is never surer than this (natural logarithm of odds).
+const SURE: f32 = 3.0;
+
+/// What all passes share.
+pub(super) struct Layers<'a> {
+    pub(super) working: &'a Working,
+    pub(super) limbs: &'a Limbs,
+    pub(super) params: &'a SegmentParams,
+    cells: Cells,
+    fields: Vec<Grid<Place>>,
+}
+
+impl<'a> Layers<'a> {
+    /// Limb coordinates of every pixel of every frame.
+    pub(super) fn new(
+        working: &'a Working,
+        limbs: &'a Limbs,
+        params: &'a SegmentParams,
+        stage: Stage<'_>,
+    ) -> Result<Self> {
+        let reach = params.reach * limbs.extent();
+        let frames = working.frames.len();
+        let fields: Vec<Result<Grid<Place>>> = (0..frames)
+            .into_par_iter()
+            .map(|frame| {
+                stage.at(frame as f64 / frames as f64)?;
+                Ok(stroke_field(limbs, frame, working.width, working.height))
+            })
+            .collect();
+        let fields: Result<Vec<_>> = fields.into_iter().collect();
+        Ok(Self { working, limbs, params, cells: Cells::new(limbs.len(), reach), fields: fields? })
+    }
+
+    /// The creature in every frame, at working size.
+    pub(super) fn masks(&self, stage: Stage<'_>) -> Result<Vec<Mask>> {
+        let passes = self.params.passes.max(1);
+        let share = |p: usize| stage.part(p as f64 / (passes + 1) as f64, (p + 1) as f64 / (passes + 1) as f64);
+        let radii = self.radii(share(0))?;
+        let mut masks: Option<Vec<Mask>> = None;
+        for pass in 0..passes {
+            masks = Some(self.pass(&radii, masks.as_deref(), share(pass + 1))?);
+        }
+        Ok(masks.unwrap_or_default())
+    }
+
+    /// Runs `work` for every frame side by side; results in order.
+    fn each_frame<T: Send>(&self, stage: Stage<'_>, work: impl Fn(usize) -> T + Sync) -> Result<Vec<T>> {
+        let frames = self.working.frames.len();
+        let done: Vec<Result<T>> = (0..frames)
+            .into_par_iter()
+            .map(|frame| {
+                stage.at(frame as f64 / frames as f64)?;
+                Ok(work(frame))
+            })
+            .collect();
+        done.into_iter().collect()
+    }
+
+    /// What a pixel teaches: from the masks where there are any, else from the strokes and what is far from them.
+    fn lesson(&self, masks: Option<&[Mask]>, frame: usize, index: usize) -> Lesson {
+        let place = self.fields[frame].data()[index];
+        let Some(masks) = masks else {
+            if self.cells.of(place).is_none() {
+                return Lesson::Background;
+            }
+            let sample = usize::from(place.sample);
+            let sure =
+                place.distance() <= STROKE_WIDTH && self.limbs.trusted[sample] && self.limbs.visible[frame][sample];
+            return if sure { Lesson::Creature } else { Lesson::Nothing };
+        };
+        let (x, y) = (index % self.working.width, index / self.working.width);
+        if masks[frame].get(x, y) { Lesson::Creature } else { Lesson::Background }
+    }
+
+    /// Evidence of every frame under the models that `masks` teach, handed to `take`.
+    fn with_evidence<T: Send>(
+        &self,
+        masks: Option<&[Mask]>,
+        stage: Stage<'_>,
+        take: impl Fn(usize, Vec<f32>) -> T + Sync,
+    ) -> Result<Vec<T>> {
+        let counted = self.each_frame(stage.part(0.0, 0.3), |frame| {
+            let mut lessons = Lessons::new(self.limbs);
+            for (index, &colour) in self.working.frames[frame].data().iter().enumerate() {
+                let place = self.fields[frame].data()[index];
+                lessons.add(colour, place, self.limbs, self.lesson(masks, frame, index), 1);
+            }
+            lessons
+        })?;
+        let mut all = Lessons::new(self.limbs);
+        counted.iter().for_each(|l| all.merge(l));
+        drop(counted);
+        let colours = all.learn();
+        let last = self.working.frames.len() - 1;
+        self.each_frame(stage.part(0.3, 1.0), |frame| {
+            let near = [frame.checked_sub(2), Some(frame), Some(frame + 2).filter(|&f| f <= last)];
+            let tiles = Tiles::learn(self.working, near.into_iter().flatten(), |f, index| self.lesson(masks, f, index));
+            let image = &self.working.frames[frame];
+            take(frame, colour_evidence(image, &self.fields[frame], self.cells, self.limbs, &colours, &tiles))
+        })
+    }
+
+    /// Limb radii from the colours that strokes and surroundings teach.
+    fn radii(&self, stage: Stage<'_>) -> Result<Vec<[f32; 2]>> {
+        let profiles = self.with_evidence(None, stage, |frame, evidence| {
+            let mut profile = Profile::new(self.cells);
+            for (&place, e) in self.fields[frame].data().iter().zip(evidence) {
+                if let Some(cell) = self.cells.of(place) {
+                    profile.add(cell, e);
+                }
+            }
+            profile
+        })?;
+        let mut all = Profile::new(self.cells);
+        profiles.iter().for_each(|p| all.merge(p));
+        Ok(all.radii(self.limbs, self.working.frames.len()))
+    }
+
+    /// One pass over all frames.
+    fn pass(&self, radii: &[[f32; 2]], masks: Option<&[Mask]>, stage: Stage<'_>) -> Result<Vec<Mask>> {
+        let occupied = match masks {
+            Some(masks) => {
+                self.each_frame(stage.part(0.0, 0.1), |f| occupancy(&masks[f], &self.fields[f], self.cells))?
+            }
+            None => Vec::new(),
+        };
+        let weights = vec![1.0; occupied.len()];
+        let reach = self.cells.reach;
+        self.with_evidence(masks, stage.part(0.1, 1.0), |frame, evidence| {
+            let by_radius = |cell: usize| {
+                let (sample, side, distance) = (cell / reach / 2, cell / reach % 2, (cell % reach) as f32);
+                let r = radii[sample][side];
+                ((r - distance - 0.5) / (SOFTNESS.0 * r + SOFTNESS.1)).clamp(-SURE, SURE)
+            };
+            let prior: Vec<f32> = if occupied.is_empty() {
+                (0..self.limbs.len() * 2 * reach).map(by_radius).collect()
+            } else {
+                let chance = |cell: usize| 1.0 / (1.0 + (-by_radius(cell)).exp());
+                let shares = carried(&occupied, &weights, frame, self.params.memory, 0.3, chance);
+                shares
+                    .iter()
+                    .map(|&s| (s.clamp(1e-3, 0.999) / (1.0 - s.clamp(1e-3, 0.999))).ln().clamp(-SURE, SURE))
+                    .collect()
+            };
+            self.cut(frame, &evidence, &prior)
+        })
+    }
+
+    /// The best mask of a frame.
+    fn cut(&self, frame: usize, evidence: &[f32], prior: &[f32]) -> Mask {
+        let (width, height) = (self.working.width, self.working.height);
+        let image = &self.working.frames[frame];
+        let field = &self.fields[frame];
+        let near = |x: usize, y: usize| self.cells.of(field.get(x, y));
+        let mut problem = GridCut::new(width, height);
+        let contrast = Contrast::of(image, |x, y| near(x, y).is_some());
+        for y in 0..height {
+            for x in 0..width {
+                let own = near(x, y);
+                if let Some(cell) = own {
+                    let odds =
+                        self.params.colour_weight * evidence[y * width + x] + self.params.shape_weight * prior[cell];
+                    problem.add_terminal(x, y, (odds * UNIT) as i32);
+                }
+                for (to, dx, dy) in EDGES {
+                    let (nx, ny) = (x.wrapping_add_signed(dx), y + dy);
+                    if nx >= width || ny >= height {
+                        continue;
+                    }
+                    let other = near(nx, ny);
+                    if own.is_none() && other.is_none() {
+                        continue;
+                    }
+                    let length = if dx != 0 && dy != 0 { std::f32::consts::SQRT_2 } else { 1.0 };
+                    let weight = contrast.weight(image.get(x, y), image.get(nx, ny)) / length;
+                    let cost = (self.params.edge_weight * weight * UNIT) as i32;
+                    // What is out of reach is background: its edges are pulls towards it.
+                    match (own.is_some(), other.is_some()) {
+                        (true, true) => problem.set_edge(x, y, to, cost),
+                        (true, false) => problem.add_terminal(x, y, -cost),
+                        _ => problem.add_terminal(nx, ny, -cost),
+                    }
+                }
+            }
+        }
+        problem.solve();
+        Mask::from_fn(width, height, |x, y| near(x, y).is_some() && problem.on_source_side(x, y))
+    }
+
+    /// Whether the strokes come near the image in this frame at all.
+    pub(super) fn sees_limbs(&self, frame: usize) -> bool {
+        self.fields[frame].data().iter().any(|p| p.sample != NOWHERE)
+    }
+}
+
+const EDGES: [(Neighbour, isize, usize); 4] =
+    [(Neighbour::Right, 1, 0), (Neighbour::Below, 0, 1), (Neighbour::BelowRight, 1, 1), (Neighbour::BelowLeft, -1, 1)];
+
+/// Contrast-sensitive edge weights: 1 between equal colours, falling with the squared difference relative to its mean
+/// around the creature.
+struct Contrast {
+    table: Vec<f32>,
+}
+
+impl Contrast {
+    fn of(image: &Grid<[u8; 3]>, near: impl Fn(usize, usize) -> bool) -> Self {
+        let (mut sum, mut count) = (0u64, 0u64);
+        for y in 1..image.height() {
+            for x in 1..image.width() {
+                if near(x, y) {
+                    let here = image.get(x, y);
+                    sum += u64::from(difference(here, image.get(x - 1, y)) + difference(here, image.get(x, y - 1)));
+                    count += 2;
+                }
+            }
+        }
+        let mean = (sum as f32 / count.max(1) as f32).max(4.0);
+        let largest = 3 * 255 * 255 / TABLE_STEP;
+        let table = (0..=largest).map(|i| 0.05 + 0.95 * (-((i * TABLE_STEP) as f32) / (2.0 * mean)).exp()).collect();
+        Self { table }
+    }
+
+    #[inline]
+    fn weight(&self, a: [u8; 3], b: [u8; 3]) -> f32 {
+        self.table[(difference(a, b) / TABLE_STEP as u32) as usize]
+    }
+}
+
+/// Squared differences for one entry of the contrast table.
+const TABLE_STEP: usize = 4;
+
+fn difference(a: [u8; 3], b: [u8; 3]) -> u32 {
+    a.iter().zip(b).map(|(&x, y)| u32::from(x.abs_diff(y)).pow(2)).sum()
+}

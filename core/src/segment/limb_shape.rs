@@ -1,0 +1,205 @@
+//! How far the creature reaches beside its strokes, learned from all frames.
+//!
+//! First without any mask: beside every stroke sample, on either side, the evidence for creature is averaged over all
+//! frames at every distance; the limb's radius is where the sum from the stroke outward is largest, with radii of
+//! neighbouring samples held together by dynamic programming (the paper's radius votes, section 3.7.1, taken before
+//! the segmentation instead of after it). Then with masks: the share of frames, near in time, in which a place in limb
+//! coordinates was creature; this is the previous and the next mask, carried by the limbs.
+
+use rayon::prelude::*;
+
+use super::stroke_field::{NOWHERE, Place};
+use super::working::Limbs;
+use crate::raster::{Grid, Mask};
+
+/// Evidence beyond this counts no more, so that one frame or one odd colour cannot outvote the rest.
+const CLIP: f32 = 1.0;
+/// Fixed point of summed evidence.
+const UNIT: f32 = 1024.0;
+/// Evidence that a pixel of creature must exceed: what is no better than chance does not widen a limb.
+const BIAS: f32 = 0.08;
+/// What a step of the radius between neighbouring samples costs, in evidence for one pixel.
+const STIFFNESS: f32 = 0.6;
+/// The radius of a sample is also judged by its twin's evidence, with this weight.
+const TWIN_WEIGHT: f32 = 0.7;
+/// Places with fewer pixels than this over all frames say nothing.
+const UNKNOWN: u8 = u8::MAX;
+/// Full occupancy in the stored bytes.
+const FULL: f32 = 250.0;
+
+/// Cells of limb coordinates: sample, side, distance in whole working pixels.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Cells {
+    samples: usize,
+    /// Distances kept.
+    pub(super) reach: usize,
+}
+
+impl Cells {
+    pub(super) fn new(samples: usize, reach: f32) -> Self {
+        Self { samples, reach: (reach.ceil() as usize).clamp(4, 400) }
+    }
+
+    fn count(&self) -> usize {
+        self.samples * 2 * self.reach
+    }
+
+    /// The cell of a pixel, `None` beyond the reach.
+    #[inline]
+    pub(super) fn of(&self, place: Place) -> Option<usize> {
+        let distance = place.distance() as usize;
+        let inside = place.sample != NOWHERE && distance < self.reach;
+        inside.then(|| (usize::from(place.sample) * 2 + place.side()) * self.reach + distance)
+    }
+}
+
+/// Evidence summed in limb coordinates.
+pub(super) struct Profile {
+    cells: Cells,
+    sums: Vec<i64>,
+    counts: Vec<u32>,
+}
+
+impl Profile {
+    pub(super) fn new(cells: Cells) -> Self {
+        Self { cells, sums: vec![0; cells.count()], counts: vec![0; cells.count()] }
+    }
+
+    #[inline]
+    pub(super) fn add(&mut self, cell: usize, evidence: f32) {
+        self.sums[cell] += (evidence.clamp(-CLIP, CLIP) * UNIT) as i64;
+        self.counts[cell] += 1;
+    }
+
+    pub(super) fn merge(&mut self, other: &Self) {
+        self.sums.iter_mut().zip(&other.sums).for_each(|(a, b)| *a += b);
+        self.counts.iter_mut().zip(&other.counts).for_each(|(a, b)| *a += b);
+    }
+
+    /// The radius beside every sample on either side, in working pixels: `[sample][side]`.
+    pub(super) fn radii(&self, limbs: &Limbs, frames: usize) -> Vec<[f32; 2]> {
+        let mut radii = vec![[0.0; 2]; self.cells.samples];
+        let jobs: Vec<(usize, usize)> = (0..limbs.first.len() - 1)
+            .flat_map(|l| [(l, 0), (l, 1)])
+            .filter(|&(l, _)| !limbs.of(l).is_empty())
+            .collect();
+        let solved: Vec<Vec<usize>> = jobs.par_iter().map(|&(l, side)| self.solve(limbs, l, side, frames)).collect();
+        for (&(limb, side), solution) in jobs.iter().zip(solved) {
+            for (sample, r) in limbs.of(limb).zip(solution) {
+                radii[sample][side] = r as f32 + 0.5;
+            }
+        }
+        radii
+    }
+
+    /// Dynamic programming over the samples of one side of a limb.
+    fn solve(&self, limbs: &Limbs, limb: usize, side: usize, frames: usize) -> Vec<usize> {
+        let reach = self.cells.reach;
+        let range = limbs.of(limb);
+        let mut value: Vec<f32> = vec![0.0; reach];
+        let mut choice: Vec<Vec<u16>> = Vec::with_capacity(range.len());
+        for (i, sample) in range.clone().enumerate() {
+            let mut gain = self.gain(sample, side, frames);
+            if let Some(twin) = limbs.twin[limb].map(|t| limbs.of(t)).filter(|t| !t.is_empty()) {
+                // Twins are drawn from the body outward alike; their samples correspond by share of length.
+                let other = twin.start + i * (twin.len() - 1) / (range.len() - 1).max(1);
+                for (g, t) in gain.iter_mut().zip(self.gain(other, side, frames)) {
+                    *g = (*g + TWIN_WEIGHT * t) / (1.0 + TWIN_WEIGHT);
+                }
+            }
+            // The best previous radius for each radius under a linear price of change: two sweeps.
+            let mut from: Vec<u16> = (0..reach as u16).collect();
+            if i > 0 {
+                for r in 1..reach {
+                    if value[r - 1] - STIFFNESS > value[r] {
+                        value[r] = value[r - 1] - STIFFNESS;
+                        from[r] = from[r - 1];
+                    }
+                }
+                for r in (0..reach - 1).rev() {
+                    if value[r + 1] - STIFFNESS > value[r] {
+                        value[r] = value[r + 1] - STIFFNESS;
+                        from[r] = from[r + 1];
+                    }
+                }
+            }
+            value.iter_mut().zip(&gain).for_each(|(v, g)| *v += g);
+            choice.push(from);
+        }
+        let mut best = (0..reach).max_by(|&a, &b| value[a].total_cmp(&value[b]).then(b.cmp(&a))).unwrap_or(0);
+        let mut path = vec![0; range.len()];
+        for i in (0..range.len()).rev() {
+            path[i] = best;
+            best = usize::from(choice[i][best]);
+        }
+        path
+    }
+
+    /// What each radius gains at a sample: the evidence from the stroke outward.
+    fn gain(&self, sample: usize, side: usize, frames: usize) -> Vec<f32> {
+        let start = (sample * 2 + side) * self.cells.reach;
+        let mut sum = 0.0;
+        (start..start + self.cells.reach)
+            .map(|cell| {
+                let before = sum;
+                let count = self.counts[cell];
+                if count > 0 {
+                    let mean = self.sums[cell] as f32 / UNIT / count as f32;
+                    // Places that belong to the limb in few frames only (another is nearer in the rest) say little.
+                    sum += (mean - BIAS) * (count as f32 / frames.max(1) as f32).min(1.0);
+                }
+                before
+            })
+            .collect()
+    }
+}
+
+/// In which cells one frame's mask was creature, a byte a cell.
+pub(super) fn occupancy(mask: &Mask, field: &Grid<Place>, cells: Cells) -> Vec<u8> {
+    let mut inside = vec![0u16; cells.count()];
+    let mut all = vec![0u16; cells.count()];
+    for y in 0..field.height() {
+        for (x, &place) in field.row(y).iter().enumerate() {
+            if let Some(cell) = cells.of(place) {
+                all[cell] = all[cell].saturating_add(1);
+                inside[cell] = inside[cell].saturating_add(u16::from(mask.get(x, y)));
+            }
+        }
+    }
+    inside
+        .iter()
+        .zip(&all)
+        .map(|(&i, &n)| if n == 0 { UNKNOWN } else { (f32::from(i) / f32::from(n) * FULL) as u8 })
+        .collect()
+}
+
+/// The share of creature in every cell around `frame`: frames weigh `exp(-distance / memory)` times their `weights`,
+/// which for painted frames may be larger than 1. Cells without any frame take `fallback`.
+pub(super) fn carried(
+    occupied: &[Vec<u8>],
+    weights: &[f32],
+    frame: usize,
+    memory: f32,
+    own: f32,
+    fallback: impl Fn(usize) -> f32,
+) -> Vec<f32> {
+    let count = occupied.first().map_or(0, Vec::len);
+    let (mut sums, mut totals) = (vec![0.0f32; count], vec![0.0f32; count]);
+    let span = (memory * 3.0).ceil() as usize;
+    for other in frame.saturating_sub(span)..=(frame + span).min(occupied.len().saturating_sub(1)) {
+        let decay = if other == frame { own } else { (-(other.abs_diff(frame) as f32) / memory).exp() };
+        let w = decay * weights[other] / FULL;
+        for ((s, t), &o) in sums.iter_mut().zip(&mut totals).zip(&occupied[other]) {
+            if o != UNKNOWN {
+                *s += w * f32::from(o);
+                *t += w * FULL;
+            }
+        }
+    }
+    sums.iter()
+        .zip(&totals)
+        .enumerate()
+        // The fallback counts as a fifth of a frame, so that thin evidence leans on it.
+        .map(|(cell, (s, t))| (s + 0.2 * fallback(cell)) / (t + 0.2))
+        .collect()
+}
