@@ -1,2 +1,302 @@
 //! A creature from tracked strokes and masks: generalized cylinders around the limbs, textured, on a bone hierarchy.
 //! Source: Reinert, Ritschel, Seidel, "Animated 3D Creatures from Single-view Video by Skeletal Sketching", 2016.
+
+mod axis;
+mod bones;
+mod limb;
+mod params;
+mod path;
+mod radius;
+mod texture;
+mod tube;
+
+use image::RgbImage;
+
+pub use params::{CreatureParams, CrossSection, LegSpread};
+
+use self::axis::Axis;
+use self::limb::LimbShape;
+use super::{RiggedModel, SkinnedPart};
+use crate::clip::Clip;
+use crate::error::{Error, Result};
+use crate::job::Stage;
+use crate::motion::Motion;
+use crate::raster::{Grid, Mask};
+use crate::rig::{Rig, Skeleton};
+use crate::segment::{label_limbs_by_depth, limb_sides};
+
+/// Shortest side of the paper's working resolution, which its pixel constants are for.
+const PAPER_SIZE: f32 = 512.0;
+
+/// A reconstructed creature.
+#[derive(Clone, Debug)]
+pub struct Creature {
+    /// Textured meshes on animated bones.
+    pub model: RiggedModel,
+    /// The frame that gave the rest pose and the colours: the first key frame.
+    pub rest_frame: usize,
+}
+
+impl Creature {
+    /// The creature as a rigged model.
+    pub fn rigged(&self) -> &RiggedModel {
+        &self.model
+    }
+}
+
+/// Reconstructs the creature that `rig` marks in `clip`, from its limbs over time (`motion`: one track a limb, by
+/// label) and one mask a frame.
+///
+/// # Errors
+/// When the rig or the motion does not fit the clip, masks are missing or of another size, or the work is cancelled.
+pub fn reconstruct(
+    clip: &Clip,
+    rig: &Rig,
+    motion: &Motion,
+    masks: &[Mask],
+    params: &CreatureParams,
+    stage: Stage<'_>,
+) -> Result<Creature> {
+    let info = clip.info();
+    let size = (info.width, info.height);
+    rig.validate(Some((size, info.frames)))?;
+    check(rig, motion, masks, size)?;
+    stage.name("fitting")?;
+    let frames = motion.frames;
+    let rest = rig.keyframes.iter().find(|k| !k.strokes.is_empty()).map_or(0, |k| k.frame).min(frames - 1);
+    let skeleton = Skeleton::new(rig, 10.0);
+    let axes = axes(rig, motion, &skeleton, params)?;
+    let twins: Vec<Option<usize>> = (0..rig.limbs.len()).map(|l| rig.twin(l)).collect();
+    let labels = label_all(rig, motion, masks, stage.part(0.0, 0.4))?;
+    let scale = (size.0 as f32).min(size.1 as f32) / PAPER_SIZE;
+    let votes = radius::vote(&axes, &labels, params.min_vote * scale, stage.part(0.4, 0.5))?;
+    let mut radii = radius::fit(&axes, &votes, &twins, params);
+    for (l, r) in radii.iter_mut().enumerate() {
+        let keys: Vec<usize> = rig.keys_of(l).map(|(f, _)| f).collect();
+        radius::hold_inside(r, &axes[l], &keys, masks);
+    }
+    stage.at(0.55)?;
+    let mut limbs: Vec<LimbShape> = axes
+        .into_iter()
+        .zip(radii)
+        .enumerate()
+        .map(|(l, (axis, radii))| shape_limb(rig, &skeleton, l, axis, radii, twins[l], params))
+        .collect();
+    let order = root_first(&limbs);
+    place_in_depth(&mut limbs, &order, rig, params);
+    let bones = bones::lay(&limbs, &order, frames, params.max_bones);
+    stage.name("texturing")?;
+    let picture = clip.frame(rest)?;
+    let parts = build_parts(&limbs, &bones, rest, &picture.rgb, &masks[rest], params, stage.part(0.6, 1.0))?;
+    let model = RiggedModel {
+        size,
+        fps: motion.fps,
+        rest: bones.animation[rest].clone(),
+        bones: bones.bones,
+        animation: bones.animation,
+        parts,
+    };
+    stage.at(1.0)?;
+    Ok(Creature { model, rest_frame: rest })
+}
+
+fn check(rig: &Rig, motion: &Motion, masks: &[Mask], size: (u32, u32)) -> Result<()> {
+    motion.validate()?;
+    if motion.frames == 0 {
+        return Err(Error::invalid("motion", "has no frame", "track the limbs over at least one frame"));
+    }
+    if motion.size != size {
+        return Err(Error::invalid(
+            "motion",
+            format!("is of a clip of {}x{}", motion.size.0, motion.size.1),
+            format!("this clip is {}x{}", size.0, size.1),
+        ));
+    }
+    if masks.len() != motion.frames {
+        return Err(Error::invalid(
+            "masks",
+            format!("there are {} for {} frames", masks.len(), motion.frames),
+            "give one mask a frame",
+        ));
+    }
+    if let Some(f) = masks.iter().position(|m| (m.width(), m.height()) != (size.0 as usize, size.1 as usize)) {
+        return Err(Error::invalid(format!("mask {f}"), "is not of the clip's size", "give masks of the clip's size"));
+    }
+    if let Some(limb) = rig.limbs.iter().find(|l| motion.track(&l.label).is_none()) {
+        return Err(Error::invalid(format!("limb `{}`", limb.label), "has no track", "track every limb of the rig"));
+    }
+    Ok(())
+}
+
+/// The axes of all limbs, from the root outward.
+fn axes(rig: &Rig, motion: &Motion, skeleton: &Skeleton, params: &CreatureParams) -> Result<Vec<Axis>> {
+    rig.limbs
+        .iter()
+        .zip(&skeleton.limbs)
+        .map(|(limb, chain)| {
+            let track = motion
+                .track(&limb.label)
+                .ok_or_else(|| Error::invalid(format!("limb `{}`", limb.label), "has no track", "track every limb"))?;
+            Ok(Axis::new(track, !chain.rooted_at_start, params.extension))
+        })
+        .collect()
+}
+
+/// Which limb every pixel of every frame belongs to.
+fn label_all(rig: &Rig, motion: &Motion, masks: &[Mask], stage: Stage<'_>) -> Result<Vec<Grid<u16>>> {
+    use rayon::prelude::*;
+    let sides = limb_sides(rig);
+    let done = std::sync::atomic::AtomicUsize::new(0);
+    (0..masks.len())
+        .into_par_iter()
+        .map(|f| {
+            let n = done.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+            stage.at(n as f64 / masks.len() as f64)?;
+            let strokes: Vec<Vec<glam::Vec2>> = rig
+                .limbs
+                .iter()
+                .map(|l| motion.track(&l.label).map_or_else(Vec::new, |t| t.frames[f].points.clone()))
+                .collect();
+            Ok(label_limbs_by_depth(&masks[f], &strokes, &sides))
+        })
+        .collect()
+}
+
+fn shape_limb(
+    rig: &Rig,
+    skeleton: &Skeleton,
+    l: usize,
+    axis: Axis,
+    radii: radius::Radii,
+    twin: Option<usize>,
+    params: &CreatureParams,
+) -> LimbShape {
+    let chain = &skeleton.limbs[l];
+    let ends = |chain: &crate::rig::LimbChain| {
+        let (first, last) = (chain.vertices.first().copied(), chain.vertices.last().copied());
+        if chain.rooted_at_start { (first, last) } else { (last, first) }
+    };
+    let own = ends(chain);
+    let parent = chain.parent.map(|p| (p, ends(&skeleton.limbs[p]).1 == own.0));
+    let label = rig.limbs[l].label.clone();
+    let wanted = params.depths.iter().find(|(name, _)| *name == label).map(|(_, r)| *r);
+    let ratio = |i: usize| {
+        let (left, right) = (radii.left[i].max(1e-3), radii.right[i].max(1e-3));
+        match (wanted, params.cross_section) {
+            (Some(r), _) | (None, CrossSection::Ratio(r)) => r.clamp(0.05, 20.0),
+            (None, CrossSection::Paper) => 0.5 + 0.5 * left.min(right) / left.max(right),
+        }
+    };
+    let depth_ratio = (0..axis.samples()).map(ratio).collect();
+    let facing = path::facing_over_time(rig, l, !chain.rooted_at_start, axis.frames.len());
+    LimbShape {
+        label,
+        side: rig.limbs[l].side,
+        twin,
+        parent,
+        z: path::bend_out(&axis, &facing, params.foreshortened),
+        axis,
+        radii,
+        depth_ratio,
+        clip_height: rig.size.1 as f32,
+    }
+}
+
+/// The limbs, parents before children.
+fn root_first(limbs: &[LimbShape]) -> Vec<usize> {
+    let mut order: Vec<usize> = Vec::with_capacity(limbs.len());
+    while order.len() < limbs.len() {
+        let before = order.len();
+        for l in 0..limbs.len() {
+            if !order.contains(&l) && limbs[l].parent.is_none_or(|(p, _)| order.contains(&p)) {
+                order.push(l);
+            }
+        }
+        if order.len() == before {
+            break;
+        }
+    }
+    order
+}
+
+/// Hangs limbs where their parents are in depth, and pairs on both sides of the middle.
+fn place_in_depth(limbs: &mut [LimbShape], order: &[usize], rig: &Rig, params: &CreatureParams) {
+    let depth_of = |limb: &LimbShape| {
+        let ratio = limb.depth_ratio.iter().sum::<f32>() / limb.depth_ratio.len().max(1) as f32;
+        limb.mean_radius() * ratio
+    };
+    for &l in order {
+        let parent = limbs[l].parent;
+        let body_depth = parent.map_or(0.0, |(p, _)| depth_of(&limbs[p]));
+        let offset = path::pair_offset(limbs[l].side, limbs[l].mean_radius_from(0.5), body_depth, params);
+        let base: Vec<f32> = match parent {
+            None => vec![0.0; limbs[l].z.len()],
+            Some((p, at_end)) => {
+                let at = if at_end { limbs[p].axis.last } else { limbs[p].axis.first };
+                limbs[p].z.iter().map(|z| z[at]).collect()
+            }
+        };
+        let limb = &mut limbs[l];
+        for (z, base) in limb.z.iter_mut().zip(base) {
+            for (i, z) in z.iter_mut().enumerate() {
+                *z += base + offset * path::hip_ramp(limb.axis.share(i as f32));
+            }
+        }
+    }
+    debug_assert_eq!(limbs.len(), rig.limbs.len());
+}
+
+fn build_parts(
+    limbs: &[LimbShape],
+    bones: &bones::Bones,
+    rest: usize,
+    image: &RgbImage,
+    mask: &Mask,
+    params: &CreatureParams,
+    stage: Stage<'_>,
+) -> Result<Vec<SkinnedPart>> {
+    use rayon::prelude::*;
+    let tubes: Vec<tube::Tube> = limbs.par_iter().map(|l| tube::tube(l, rest, params.around)).collect();
+    stage.at(0.3)?;
+    let meshes: Vec<&crate::geometry::TriMesh> = tubes.iter().map(|t| &t.mesh).collect();
+    let front = texture::visibility(&meshes, image.dimensions());
+    let view = texture::View { image, mask, front: &front };
+    let seen: Vec<texture::Unrolled> = limbs
+        .par_iter()
+        .enumerate()
+        .map(|(l, limb)| {
+            texture::project(limb, l as u16, rest, &view, texture::unrolled_size(limb, params.max_texture))
+        })
+        .collect();
+    stage.at(0.6)?;
+    let default = texture::mean_color(image, mask);
+    let parts = limbs.par_iter().zip(&tubes).enumerate().map(|(l, (limb, tube))| {
+        let mut unrolled = texture::Unrolled { color: seen[l].color.clone(), known: seen[l].known.clone() };
+        if let Some(twin) = limb.twin {
+            texture::borrow(&mut unrolled, &seen[twin]);
+        }
+        texture::fill(&mut unrolled, default);
+        let (w, h) = (unrolled.known.width() as u32, unrolled.known.height() as u32);
+        let gutter = texture::GUTTER;
+        let mut atlas = RgbImage::new(w + 2 * gutter, h + 2 * gutter);
+        texture::paste_unrolled(&mut atlas, &unrolled, gutter, gutter);
+        let mut mesh = tube.mesh.clone();
+        for uv in &mut mesh.uvs {
+            uv.x = (gutter as f32 + uv.x * w as f32) / atlas.width() as f32;
+            uv.y = (gutter as f32 + uv.y * h as f32) / atlas.height() as f32;
+        }
+        let chain = &bones.of_limb[l];
+        let bound = tube.samples.iter().map(|&s| bones::bone_weights(limb, s, chain.len()));
+        let (mut joints, mut weights) = (Vec::new(), Vec::new());
+        for (a, b, share) in bound {
+            let pair = [(chain[a], 1.0 - share), (chain[b], share)];
+            joints.push([0, 1].map(|i| if pair[i].1 > 0.0 { pair[i].0 as u16 } else { 0 }));
+            weights.push([pair[0].1, pair[1].1, 0.0, 0.0]);
+        }
+        let joints = joints.into_iter().map(|[a, b]: [u16; 2]| [a, b, 0, 0]).collect();
+        SkinnedPart { name: limb.label.clone(), mesh, bones: joints, weights, texture: atlas }
+    });
+    let parts = parts.collect();
+    stage.at(1.0)?;
+    Ok(parts)
+}

@@ -1,0 +1,78 @@
+//! What can be chosen about a reconstruction, with the paper's values where it gives them.
+
+/// How thick a limb is toward the viewer, where a single view shows only its width.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum CrossSection {
+    /// Depth over width.
+    Ratio(f32),
+    /// The paper's ellipse: the mean of the mean radius and of the mean radius shrunk by the ratio of the two sides'
+    /// radii (Reinert 2016, figure 8 d). It flattens limbs whose stroke runs along their border.
+    Paper,
+}
+
+/// How far the two legs of a pair stand from the middle plane.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum LegSpread {
+    /// As far as the body they hang from is wide: the larger of `body` times its half depth and of `leg` times the
+    /// leg's own radius.
+    BodyWidth {
+        /// Share of the body's half depth.
+        body: f32,
+        /// Share of the leg's mean radius in its lower half.
+        leg: f32,
+    },
+    /// The paper's rule: this many times the leg's mean radius in its lower half (4 in Reinert 2016, section 3.7.2).
+    Radii(f32),
+}
+
+/// Parameters of [`super::reconstruct`]. Lengths are in pixels of a 512-pixel clip (the paper's working size) and
+/// scale with the clip.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CreatureParams {
+    /// Strokes are lengthened at both ends by this share, for limbs drawn too short. Paper: 0.1.
+    pub extension: f32,
+    /// Radius votes below this are noise. Paper: 3 px.
+    pub min_vote: f32,
+    /// Share of the radius votes that lie below the radius taken. Paper: 0.25.
+    pub percentile: f32,
+    /// Neighbours on each side whose votes count as well. Paper: 2.
+    pub neighbours: usize,
+    /// Where more than this share of the votes was rejected, there is no measured radius. Paper: 0.9.
+    pub max_rejected: f32,
+    /// Standard deviation of the radius smoothing as a share of the limb's length. Paper: 0.1.
+    pub smoothing: f32,
+    /// Depth of limbs that have no entry in `depths`.
+    pub cross_section: CrossSection,
+    /// Depth over width of single limbs, by label.
+    pub depths: Vec<(String, f32)>,
+    /// Distance of pairs.
+    pub leg_spread: LegSpread,
+    /// A limb shorter than this share of its longest projection points out of the image plane. Paper: 0.5.
+    pub foreshortened: f32,
+    /// Vertices around a limb.
+    pub around: usize,
+    /// Largest number of bones of a limb.
+    pub max_bones: usize,
+    /// Longest side of a part's texture in pixels.
+    pub max_texture: u32,
+}
+
+impl Default for CreatureParams {
+    fn default() -> Self {
+        Self {
+            extension: 0.1,
+            min_vote: 3.0,
+            percentile: 0.25,
+            neighbours: 2,
+            max_rejected: 0.9,
+            smoothing: 0.1,
+            cross_section: CrossSection::Ratio(0.85),
+            depths: Vec::new(),
+            leg_spread: LegSpread::BodyWidth { body: 0.55, leg: 1.3 },
+            foreshortened: 0.5,
+            around: 20,
+            max_bones: 8,
+            max_texture: 1024,
+        }
+    }
+}
