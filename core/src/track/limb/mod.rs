@@ -7,10 +7,12 @@ mod patch;
 #[cfg(test)]
 mod stage_set;
 mod templates;
+mod tree_dp;
 
 pub use candidates::{Candidate, CostMap};
 pub use params::{LimbParams, Method, PaperParams, TemplateParams};
 pub use templates::{Detection, KeyTemplates, MatchImage};
+pub use tree_dp::{TreeOptimum, tree_optimum};
 
 use glam::Vec2;
 
