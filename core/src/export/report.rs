@@ -143,7 +143,7 @@ impl Report {
             total_seconds: 0.0,
             warnings: clip.warnings.clone(),
             limbs: limb_confidences(motion, &means),
-            correct_next: corrections(motion, rig, &means),
+            correct_next: corrections_by(motion, rig, &means),
             settings: serde_json::Value::Null,
             outputs: Vec::new(),
         }
@@ -192,8 +192,13 @@ fn limb_confidences(motion: &Motion, means: &[Vec<f32>]) -> Vec<LimbConfidence> 
     motion.tracks.iter().zip(means).map(summary).collect()
 }
 
-/// The least trusted limb and frame, then the next that is not just its neighbour. Key frames are never among them.
-fn corrections(motion: &Motion, rig: &Rig, means: &[Vec<f32>]) -> Vec<Correction> {
+/// The strokes that would help most: the least trusted limb and frame, then the next that is not just its neighbour.
+/// What is drawn in `rig` is never among them.
+pub fn corrections(motion: &Motion, rig: &Rig) -> Vec<Correction> {
+    corrections_by(motion, rig, &frame_means(motion))
+}
+
+fn corrections_by(motion: &Motion, rig: &Rig, means: &[Vec<f32>]) -> Vec<Correction> {
     let drawn = |name: &str, frame: usize| {
         rig.limbs.iter().position(|l| l.label == name).is_some_and(|limb| rig.stroke(limb, frame).is_some())
     };
