@@ -1,6 +1,9 @@
 //! The project's chores. `cargo xtask` lists them.
 
+mod c_host;
 mod check;
+mod header;
+mod library;
 mod measure;
 mod shell;
 mod system;
@@ -14,6 +17,9 @@ cargo xtask COMMAND
 
   test               everything that must pass; installs or names missing system packages
   check              format, lints, documentation, dependency licences and sources
+  header [--check]   include/marey/marey.h from ffi/src
+  library [--dev]    target/marey: the C library as it is installed
+  c-host [--dev]     the header's compile matrix, and the C program of hosts/c built and run
   measure DATA ...   the table of scores on a data folder (release build)
   validate GLB ...   the Khronos glTF validator on files
 ";
@@ -28,6 +34,9 @@ fn main() -> Result<()> {
         "test" => test::run(),
         "check" => check::run(),
         "measure" => measure::run(rest),
+        "header" => header::run(rest),
+        "library" => library::run(rest),
+        "c-host" => c_host::run(rest),
         "validate" => validator::run(rest),
         "help" | "--help" | "-h" => {
             shell::say(HELP);
