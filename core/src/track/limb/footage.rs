@@ -1,0 +1,127 @@
+//! The clip as the tracker sees it: reduced pictures in Lab and the flow between neighbours, for all frames at once.
+
+use glam::Vec2;
+use rayon::prelude::*;
+
+use crate::clip::Clip;
+use crate::error::Result;
+use crate::job::Stage;
+use crate::raster::{Grid, Planes, pyramid};
+use crate::track::flow::{FlowField, Pyramid};
+
+/// Pixels of all frames together that are kept; longer clips are tracked on smaller pictures. A pixel takes 5 bytes.
+const PIXEL_BUDGET: usize = 100_000_000;
+/// Working pictures never get smaller than this on their long side, whatever the budget says.
+const LEAST_SIDE: u32 = 320;
+
+/// CIE Lab in a byte a channel: lightness over 0..=255, chroma doubled around 128 (it saturates beyond +-63, where
+/// only the purest paints lie).
+#[derive(Clone, Debug)]
+#[allow(dead_code)]
+pub(super) struct LabImage {
+    pixels: Grid<[u8; 3]>,
+}
+
+impl LabImage {
+    fn new(planes: &Planes) -> Self {
+        let byte = |v: f32| v.round().clamp(0.0, 255.0) as u8;
+        let [l, a, b] = [0, 1, 2].map(|c| planes.channel(c).data());
+        let pixels = l
+            .iter()
+            .zip(a)
+            .zip(b)
+            .map(|((l, a), b)| [byte(l * 255.0), byte(a * 200.0 + 128.0), byte(b * 200.0 + 128.0)])
+            .collect();
+        Self { pixels: Grid::from_vec(planes.width(), planes.height(), pixels) }
+    }
+
+    /// The colour at `p`, or nothing outside the picture.
+    #[inline]
+    pub(super) fn at(&self, p: Vec2) -> Option<[u8; 3]> {
+        let (w, h) = (self.pixels.width(), self.pixels.height());
+        if p.x >= 0.0 && p.y >= 0.0 && p.x < w as f32 && p.y < h as f32 {
+            Some(self.pixels.get(p.x as usize, p.y as usize))
+        } else {
+            None
+        }
+    }
+
+    /// Columns.
+    pub(super) fn width(&self) -> usize {
+        self.pixels.width()
+    }
+
+    /// Rows.
+    pub(super) fn height(&self) -> usize {
+        self.pixels.height()
+    }
+}
+
+/// Working pictures and flows of all frames of a clip.
+#[derive(Debug)]
+pub(super) struct Footage {
+    /// Working pixels for one clip pixel.
+    pub(super) scale: f32,
+    /// Every frame.
+    pub(super) lab: Vec<LabImage>,
+    /// From every frame but the last to the next.
+    pub(super) forward: Vec<FlowField>,
+    /// From every frame but the first to the one before; entry `t` starts at frame `t + 1`.
+    pub(super) backward: Vec<FlowField>,
+}
+
+impl Footage {
+    /// Reads the whole clip at a long side of `working_side` pixels, less where the clip is long.
+    pub(super) fn read(clip: &Clip, working_side: u32, stage: Stage<'_>) -> Result<Self> {
+        let info = clip.info();
+        let long = f64::from(info.width.max(info.height));
+        let area = f64::from(info.width) * f64::from(info.height);
+        let affordable = (PIXEL_BUDGET as f64 / info.frames.max(1) as f64 / area).sqrt() * long;
+        let side = working_side.min((affordable as u32).max(LEAST_SIDE));
+        let (width, height) = pyramid::fitted(info.width, info.height, side);
+        let scale = width as f32 / info.width as f32;
+
+        let (reading, flowing) = (stage.part(0.0, 0.35), stage.part(0.35, 1.0));
+        let frames: Vec<(LabImage, Pyramid)> = (0..info.frames)
+            .into_par_iter()
+            .map(|f| {
+                reading.at(f as f64 / info.frames as f64)?;
+                let picture = clip.frame(f)?;
+                let planes = Planes::lab(&pyramid::shrunk(&picture.rgb, width, height));
+                let lightness = planes.channel(0).data().iter().map(|l| l * 255.0).collect();
+                let brightness = Grid::from_vec(width as usize, height as usize, lightness);
+                Ok((LabImage::new(&planes), Pyramid::new(&brightness)))
+            })
+            .collect::<Result<_>>()?;
+        let pairs = frames.len().saturating_sub(1);
+        let flows: Vec<(FlowField, FlowField)> = (0..pairs)
+            .into_par_iter()
+            .map(|t| {
+                flowing.at(t as f64 / pairs as f64)?;
+                let (a, b) = (&frames[t].1, &frames[t + 1].1);
+                let forward = FlowField::between(a, b);
+                flowing.at(t as f64 / pairs as f64)?;
+                Ok((forward, FlowField::between(b, a)))
+            })
+            .collect::<Result<_>>()?;
+        let lab = frames.into_iter().map(|(lab, _)| lab).collect();
+        let (forward, backward) = flows.into_iter().unzip();
+        Ok(Self { scale, lab, forward, backward })
+    }
+
+    /// How many frames there are.
+    pub(super) fn frames(&self) -> usize {
+        self.lab.len()
+    }
+
+    /// The flow from frame `from` to its neighbour `to`, and the flow back; nothing when they are no neighbours.
+    pub(super) fn flows(&self, from: usize, to: usize) -> Option<(&FlowField, &FlowField)> {
+        if to == from + 1 {
+            Some((self.forward.get(from)?, self.backward.get(from)?))
+        } else if from == to + 1 {
+            Some((self.backward.get(to)?, self.forward.get(to)?))
+        } else {
+            None
+        }
+    }
+}
