@@ -2,13 +2,17 @@
 //!
 //! A [`Clip`] is a video file or a folder of numbered images. Opening it reads only its index; frames are decoded when
 //! they are asked for, by decoders that run forward, and kept while they fit a bounded number of bytes. It is judged
-//! by its content, never by its name. MP4 and QuickTime with H.264 are decoded here.
+//! by its content, never by its name. MP4 and QuickTime with H.264, GIF, APNG, WebP and still images are decoded here;
+//! everything else through an ffmpeg program, where there is one.
 //!
 //! A clip that is damaged is not refused for it: what comes before the break can be read, and
 //! [`ClipInfo::warnings`] or the error of the frame says where the break is.
 
+mod animation;
 mod cache;
+mod ffmpeg;
 mod folder;
+mod memory;
 #[cfg(feature = "h264")]
 mod mp4;
 mod orientation;
@@ -23,6 +27,7 @@ use std::sync::Arc;
 use image::{GrayImage, RgbImage};
 
 use self::cache::Entry;
+use self::ffmpeg::NoHelp;
 use self::pool::Pool;
 use self::source::Source;
 use crate::error::{Error, Result};
@@ -51,6 +56,19 @@ pub struct Picture {
     pub rgb: RgbImage,
     /// Opacity, where the source has any.
     pub alpha: Option<GrayImage>,
+}
+
+impl Picture {
+    /// Colours and opacity apart; opacity only where any pixel lacks some. `rgba` holds four bytes a pixel.
+    fn from_rgba(rgba: &[u8], width: u32, height: u32) -> Self {
+        let rgb = rgba.chunks_exact(4).flat_map(|p| [p[0], p[1], p[2]]).collect();
+        let opaque = rgba.chunks_exact(4).all(|p| p[3] == 255);
+        let alpha = (!opaque).then(|| rgba.chunks_exact(4).map(|p| p[3]).collect());
+        Self {
+            rgb: RgbImage::from_raw(width, height, rgb).unwrap_or_default(),
+            alpha: alpha.and_then(|a| GrayImage::from_raw(width, height, a)),
+        }
+    }
 }
 
 /// How to open a clip, and what it may cost.
@@ -134,17 +152,55 @@ impl Clip {
         let path = path.as_ref();
         let opened = match Kind::of(path)? {
             Kind::Folder => folder::open(path, options),
+            Kind::Still => folder::open_still(path, options),
+            Kind::Gif => animation::open_gif(path, options),
+            Kind::Apng => animation::open_apng(path, options),
+            Kind::WebP => animation::open_webp(path, options),
             #[cfg(feature = "h264")]
             Kind::Mp4 => mp4::open(path, options),
-            _ => Err(Refusal::Unsupported("an unknown kind of file".to_owned())),
+            #[cfg(not(feature = "h264"))]
+            Kind::Mp4 => Err(Refusal::Unsupported("MP4, and this build has no H.264 decoder".to_owned())),
+            Kind::Other => Err(Refusal::Unsupported("no kind of video that is known here".to_owned())),
         };
-        match opened {
+        let unsupported = match opened {
+            Ok(opened) => {
+                let clip = Self::new(path, opened, options);
+                // What the embedded decoder cannot do shows at the first frame.
+                match clip.frame(0) {
+                    Err(Error::File { problem, .. }) if clip.info.source == "mp4" => problem,
+                    Err(error) => return Err(error),
+                    Ok(_) => return Ok(clip),
+                }
+            }
+            Err(Refusal::Error(error)) => return Err(error),
+            Err(Refusal::Unsupported(what)) => format!("is {what}"),
+        };
+        let remedy =
+            |first: &str| format!("{first}, or convert it: ffmpeg -i IN -c:v libx264 -pix_fmt yuv420p OUT.mp4");
+        match ffmpeg::open(path, options) {
             Ok(opened) => Ok(Self::new(path, opened, options)),
-            Err(Refusal::Error(error)) => Err(error),
-            Err(Refusal::Unsupported(what)) => {
-                Err(Error::file(path, format!("is {what}"), "convert it to MP4 with H.264"))
+            Err(NoHelp::Error(error)) => Err(error),
+            Err(NoHelp::Forbidden) => {
+                Err(Error::file(path, unsupported, remedy("allow the use of ffmpeg, which may read it")))
+            }
+            Err(NoHelp::Missing(program)) => {
+                let remedy = remedy("install ffmpeg, which may read it");
+                Err(Error::file(path, format!("{unsupported}; there is no program {}", program.display()), remedy))
+            }
+            Err(NoHelp::Refused(why)) => {
+                let remedy = "expected MP4, MOV, GIF, APNG, WebP, a folder of images, or what ffmpeg reads";
+                Err(Error::file(path, format!("{unsupported}, and ffmpeg cannot read it: {why}"), remedy))
             }
         }
+    }
+
+    /// A clip of frames that are in memory, shown at an even rate.
+    ///
+    /// # Errors
+    /// There are no frames, one differs in size from the first, or the rate is not above 0.
+    pub fn from_frames(frames: Vec<RgbImage>, fps: f64) -> Result<Self> {
+        memory::open(frames, fps)
+            .map(|opened| Self::new(Path::new("frames in memory"), opened, &ClipOptions::default()))
     }
 
     fn new(path: &Path, opened: Opened, options: &ClipOptions) -> Self {
@@ -208,6 +264,10 @@ impl Clip {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Kind {
     Folder,
+    Still,
+    Gif,
+    Apng,
+    WebP,
     Mp4,
     Other,
 }
@@ -227,8 +287,21 @@ impl Kind {
         let mut head = Vec::with_capacity(16);
         let file = std::fs::File::open(path).map_err(|e| Error::io(path, "open", e))?;
         file.take(16).read_to_end(&mut head).map_err(|e| Error::io(path, "read", e))?;
-        Ok(match head.get(4..8) {
-            Some(b"ftyp" | b"moov" | b"mdat" | b"wide" | b"free" | b"skip" | b"pnot" | b"styp") => Self::Mp4,
+        Ok(match *head.as_slice() {
+            [0x89, b'P', b'N', b'G', ..] if animation::is_apng(path)? => Self::Apng,
+            [0x89, b'P', b'N', b'G', ..] | [0xff, 0xd8, 0xff, ..] => Self::Still,
+            [b'G', b'I', b'F', b'8', ..] => Self::Gif,
+            [b'R', b'I', b'F', b'F', _, _, _, _, b'W', b'E', b'B', b'P', ..] => {
+                if animation::is_animated_webp(path)? {
+                    Self::WebP
+                } else {
+                    Self::Still
+                }
+            }
+            [_, _, _, _, a, b, c, d, ..] => match &[a, b, c, d] {
+                b"ftyp" | b"moov" | b"mdat" | b"wide" | b"free" | b"skip" | b"pnot" | b"styp" => Self::Mp4,
+                _ => Self::Other,
+            },
             _ => Self::Other,
         })
     }

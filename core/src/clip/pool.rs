@@ -5,6 +5,7 @@
 //! Reading in order therefore decodes every picture once, from one thread or from several, and threads that read far
 //! apart do not pull one decoder back and forth. No lock is held while decoding.
 
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 
 use super::cache::{Cache, Entry};
@@ -78,14 +79,22 @@ impl Pool {
         state.busy.push((ticket.id, idle.as_ref().map_or_else(|| self.source.restart(picture), |i| i.next)));
         drop(state);
 
-        let mut stream = match idle {
-            Some(idle) => idle.stream,
-            None => self.source.stream(picture)?,
-        };
+        // Decoders of other people's making meet files of nobody's making: one that panics spoils its frame only.
+        let guarded = |work: &mut dyn FnMut() -> Result<_>| catch_unwind(AssertUnwindSafe(work)).ok();
+        let failed = || Ok(Some(Entry::Damaged("its data makes the decoder fail".into())));
+        let mut stream = idle.map(|idle| idle.stream);
         let found = loop {
-            let Some((number, decoded)) = stream.next()? else { break None };
+            let next = guarded(&mut || {
+                let stream = match &mut stream {
+                    Some(stream) => stream,
+                    none => none.insert(self.source.stream(picture)?),
+                };
+                stream.next()
+            });
+            let Some(next) = next else { return failed() };
+            let Some((number, decoded)) = next? else { break None };
             let entry = match decoded {
-                Decoded::Picture(p) => Entry::Picture(Arc::new(p)),
+                Decoded::Picture(p) => Entry::Picture(p),
                 Decoded::Planes(p) => Entry::Planes(Arc::new(p)),
                 Decoded::Damaged(why) => Entry::Damaged(why.into()),
             };
@@ -98,7 +107,7 @@ impl Pool {
             if number >= picture {
                 state.clock += 1;
                 let since = state.clock;
-                state.idle.push(Idle { stream, next: number + 1, since });
+                state.idle.extend(stream.map(|stream| Idle { stream, next: number + 1, since }));
                 break (number == picture).then_some(entry);
             }
         };

@@ -5,6 +5,8 @@
 //! [`Source`] knows those places; a [`Stream`] runs forward from one of them. Which stream serves which request is the
 //! business of [`super::pool`].
 
+use std::sync::Arc;
+
 use super::Picture;
 use super::yuv::Planes;
 use crate::error::Result;
@@ -31,7 +33,7 @@ pub(super) trait Stream: Send {
 #[derive(Debug)]
 pub(super) enum Decoded {
     /// Colours.
-    Picture(Picture),
+    Picture(Arc<Picture>),
     /// Planes whose conversion to colours is left to whoever asks for the picture, on their own thread.
     Planes(Planes),
     /// The data of this picture is damaged, and this is how.

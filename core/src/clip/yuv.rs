@@ -20,12 +20,16 @@ pub(super) struct ColorSpace {
 }
 
 impl ColorSpace {
+    /// Weights of red and blue in BT.709 and BT.601.
+    pub(super) const BT709: (f64, f64) = (0.2126, 0.0722);
+    pub(super) const BT601: (f64, f64) = (0.299, 0.114);
+
     /// The weights of red and blue that matrix_coefficients (H.273) names, if it names any.
     pub(super) fn weights(matrix_coefficients: u16) -> Option<(f64, f64)> {
         match matrix_coefficients {
-            1 => Some((0.2126, 0.0722)),
+            1 => Some(Self::BT709),
             4 => Some((0.30, 0.11)),
-            5 | 6 => Some((0.299, 0.114)),
+            5 | 6 => Some(Self::BT601),
             7 => Some((0.212, 0.087)),
             9 => Some((0.2627, 0.0593)),
             _ => None,
@@ -34,7 +38,7 @@ impl ColorSpace {
 
     /// What players assume when nothing is named: BT.709 from 720 lines on, BT.601 below.
     pub(super) fn default_weights(width: u32, height: u32) -> (f64, f64) {
-        if width.max(height) >= 1280 || width.min(height) >= 720 { (0.2126, 0.0722) } else { (0.299, 0.114) }
+        if width.max(height) >= 1280 || width.min(height) >= 720 { Self::BT709 } else { Self::BT601 }
     }
 }
 

@@ -1,0 +1,166 @@
+//! Animated images: GIF, APNG and WebP.
+//!
+//! On opening, the file's blocks are walked without decoding them, which gives the number of frames and how long each
+//! is shown. Each frame changes a canvas that the ones before have left, so decoding always begins with the first.
+
+mod apng;
+mod gif;
+mod webp;
+
+use std::io::{Read, Seek, SeekFrom};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use super::source::{Decoded, Source, Stream};
+use super::{Attempt, ClipInfo, ClipOptions, Opened, Picture, check_pixels};
+use crate::error::{Error, Result};
+
+pub(super) use self::apng::{is_animated as is_apng, open as open_apng};
+pub(super) use self::gif::open as open_gif;
+pub(super) use self::webp::{is_animated as is_animated_webp, open as open_webp};
+
+/// What walking over the blocks tells.
+#[derive(Debug, Default, PartialEq)]
+struct Index {
+    width: u32,
+    height: u32,
+    /// Seconds for which each whole frame is shown.
+    delays: Vec<f64>,
+    /// What is wrong with the file after the last whole frame.
+    problem: Option<String>,
+}
+
+/// Gives an animation's frames one after the other, on their canvas. An error is what is wrong with the data.
+trait Frames: Send {
+    fn next(&mut self) -> std::result::Result<Picture, String>;
+}
+
+/// A decoder at the first frame of a file; `max_bytes` is what it may allocate for one frame.
+type Start = fn(&Path, max_bytes: u64) -> Result<Box<dyn Frames>>;
+
+struct Animation {
+    path: PathBuf,
+    frames: usize,
+    max_bytes: u64,
+    start: Start,
+}
+
+/// More frames than this are no animation; each costs bytes of index.
+const MAX_FRAMES: usize = 1 << 20;
+
+fn opened(
+    path: &Path,
+    options: &ClipOptions,
+    source: &'static str,
+    index: Index,
+    claimed: Option<usize>,
+    start: Start,
+) -> Attempt<Opened> {
+    let Index { width, height, mut delays, problem } = index;
+    delays.truncate(claimed.unwrap_or(usize::MAX).min(MAX_FRAMES));
+    check_pixels(path, width, height, options)?;
+    let frames = delays.len();
+    if frames == 0 {
+        let problem = problem.unwrap_or_else(|| "holds no frames".to_owned());
+        return Err(Error::file(path, problem, "expected an animation; save it again").into());
+    }
+    let mut warnings = Vec::new();
+    let missing = claimed.is_some_and(|c| c > frames);
+    if let Some(problem) = problem.or_else(|| missing.then(|| "ends early".to_owned())) {
+        let of = claimed.filter(|_| missing).map_or(String::new(), |c| format!(" of {c}"));
+        warnings.push(format!("the file {problem}; {frames}{of} frames can be used, 0 to {}", frames - 1));
+    }
+    let times: Vec<f64> = delays
+        .iter()
+        .scan(0.0, |at, delay| {
+            let shown = *at;
+            *at += delay;
+            Some(shown)
+        })
+        .collect();
+    let fps = super::mean_fps(&times, delays[frames - 1]);
+    let info = ClipInfo { width, height, frames, fps, source, warnings };
+    let max_bytes = options.max_pixels.saturating_mul(8);
+    let source = Box::new(Animation { path: path.to_owned(), frames, max_bytes, start });
+    Ok(Opened { info, times, pictures: None, source })
+}
+
+impl Source for Animation {
+    fn restart(&self, _picture: usize) -> usize {
+        0
+    }
+
+    fn stream(&self, _picture: usize) -> Result<Box<dyn Stream>> {
+        let decoder = (self.start)(&self.path, self.max_bytes)?;
+        Ok(Box::new(Playing { decoder, next: 0, frames: self.frames, broken: None }))
+    }
+
+    fn max_streams(&self) -> usize {
+        2
+    }
+}
+
+struct Playing {
+    decoder: Box<dyn Frames>,
+    next: usize,
+    frames: usize,
+    /// The frame at which decoding failed; the canvas is lost from there on.
+    broken: Option<usize>,
+}
+
+impl Stream for Playing {
+    fn next(&mut self) -> Result<Option<(usize, Decoded)>> {
+        let number = self.next;
+        if number >= self.frames {
+            return Ok(None);
+        }
+        self.next += 1;
+        let decoded = match self.broken {
+            Some(broken) => Decoded::Damaged(format!("it builds on frame {broken}, which is damaged")),
+            None => match self.decoder.next() {
+                Ok(picture) => Decoded::Picture(Arc::new(picture)),
+                Err(why) => {
+                    self.broken = Some(number);
+                    Decoded::Damaged(why)
+                }
+            },
+        };
+        Ok(Some((number, decoded)))
+    }
+}
+
+/// A file that is walked over, with its length at hand.
+struct Walk<R> {
+    reader: R,
+    at: u64,
+    len: u64,
+}
+
+impl<R: Read + Seek> Walk<R> {
+    fn new(mut reader: R) -> std::io::Result<Self> {
+        let len = reader.seek(SeekFrom::End(0))?;
+        reader.seek(SeekFrom::Start(0))?;
+        Ok(Self { reader, at: 0, len })
+    }
+
+    /// The next bytes, or [`None`] where the file ends before.
+    fn take<const N: usize>(&mut self) -> std::io::Result<Option<[u8; N]>> {
+        if self.len - self.at < N as u64 {
+            return Ok(None);
+        }
+        let mut bytes = [0; N];
+        self.reader.read_exact(&mut bytes)?;
+        self.at += N as u64;
+        Ok(Some(bytes))
+    }
+
+    /// Passes over bytes; false where the file ends before.
+    fn skip(&mut self, count: u64) -> std::io::Result<bool> {
+        if self.len - self.at < count {
+            return Ok(false);
+        }
+        self.reader.seek_relative(count.cast_signed())?;
+        self.at += count;
+        Ok(true)
+    }
+}
