@@ -4,7 +4,7 @@
 use std::ffi::c_char;
 use std::sync::Arc;
 
-use marey::clip::Clip;
+use marey::clip::{Clip, ClipOptions};
 
 use crate::border::{self, Buffer, Out, OutStruct, Rows, Versioned};
 use crate::context::{MRY_LOG_WARNING, mry_context};
@@ -23,6 +23,30 @@ pub struct mry_clip {
     /// The id; 0 is no clip.
     pub v: u64,
 }
+
+/// How to open a clip. Start from MRY_CLIP_OPTIONS_INIT.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct mry_clip_options {
+    /// sizeof(mry_clip_options).
+    pub struct_size: u32,
+    /// 1 to start no other program; 0 to ask ffmpeg for formats that the library does not decode itself.
+    pub no_ffmpeg: u32,
+    /// The ffmpeg program: a path, or a name that the system looks up; empty for "ffmpeg".
+    pub ffmpeg: mry_str,
+    /// Bytes of decoded frames that are kept; 0 for 256 MB.
+    pub cache_bytes: u64,
+    /// Pixels of one frame, at most; 0 for 64 million.
+    pub max_pixels: u64,
+    /// Frames a second of a folder of images, which cannot say; 0 for 24.
+    pub images_fps: f64,
+}
+
+// SAFETY: repr(C), starts with its u32 size; numbers, and a string that the host vouches for.
+unsafe impl Versioned for mry_clip_options {
+    const FIRST_SIZE: usize = 48;
+}
+const _: () = assert!(size_of::<mry_clip_options>() == 48);
 
 /// What a clip is.
 #[repr(C)]
@@ -62,6 +86,50 @@ pub(crate) fn frame_index(frame: u64, count: usize) -> Outcome<usize> {
     inside.ok_or_else(|| Failure::argument("frame", format!("frame is {frame}, and there are {count}, counted from 0")))
 }
 
+/// # Safety
+/// The string is valid, as the header asks.
+unsafe fn clip_options(options: &mry_clip_options) -> Outcome<ClipOptions> {
+    let mut answer = ClipOptions::default();
+    // SAFETY: as this function's own.
+    let ffmpeg = if options.ffmpeg.len == 0 { None } else { Some(unsafe { options.ffmpeg.name("options.ffmpeg")? }) };
+    match (options.no_ffmpeg, ffmpeg) {
+        (0, None) => {}
+        (0, Some(program)) => answer.ffmpeg = Some(program.into()),
+        (1, _) => answer.ffmpeg = None,
+        (other, _) => {
+            return Err(Failure::argument("options", format!("options.no_ffmpeg is {other}, and must be 0 or 1")));
+        }
+    }
+    if options.cache_bytes > 0 {
+        answer.cache_bytes = usize::try_from(options.cache_bytes).unwrap_or(usize::MAX);
+    }
+    if options.max_pixels > 0 {
+        answer.max_pixels = options.max_pixels;
+    }
+    let fps = options.images_fps;
+    if !fps.is_finite() {
+        return Err(Failure::new(Code::MRY_E_NON_FINITE, "options", format!("options.images_fps is {fps}")));
+    }
+    if fps < 0.0 {
+        return Err(Failure::argument("options", format!("options.images_fps is {fps}, and must be above 0")));
+    }
+    if fps > 0.0 {
+        answer.images_fps = fps;
+    }
+    Ok(answer)
+}
+
+/// Fills in clip options with struct_size set and everything else zero, for languages without the INIT macros.
+///
+/// @param options  Where to write; NULL does nothing.
+/// @param size     sizeof(mry_clip_options) as the caller knows it.
+/// Thread: [any-thread]. Since 0.1.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mry_clip_options_init(options: *mut mry_clip_options, size: u32) {
+    // SAFETY: the caller owns `size` bytes at `options`, or passes NULL.
+    unsafe { border::init(options.cast(), size) }
+}
+
 /// Fills in a clip info with struct_size set and everything else zero, for languages without the INIT macros.
 ///
 /// @param info  Where to write; NULL does nothing.
@@ -77,6 +145,7 @@ pub unsafe extern "C" fn mry_clip_info_init(info: *mut mry_clip_info, size: u32)
 ///
 /// @param context   The context.
 /// @param path      The file or folder.
+/// @param options   How to open it; NULL for the defaults.
 /// @param out_clip  The clip.
 /// @param err       Detail of a failure, or NULL.
 /// @return MRY_OK; MRY_E_NO_FILE, MRY_E_INPUT (not a clip, or broken from the start), MRY_E_LIMIT, MRY_E_IO,
@@ -87,13 +156,16 @@ pub unsafe extern "C" fn mry_clip_info_init(info: *mut mry_clip_info, size: u32)
 pub unsafe extern "C" fn mry_clip_open(
     context: *mut mry_context,
     path: mry_str,
+    options: *const mry_clip_options,
     out_clip: *mut mry_clip,
     err: *mut mry_error,
 ) -> mry_status {
     entry!(context, err, |call| {
         let path = path.name("path")?;
         let out = Out::new(out_clip, "out_clip")?;
-        let clip = Clip::open(path).map_err(|e| Failure::from(e).about("path"))?;
+        let options =
+            if options.is_null() { ClipOptions::default() } else { clip_options(&border::read(options, "options")?)? };
+        let clip = Clip::open_with(path, &options).map_err(|e| Failure::from(e).about("path"))?;
         for warning in &clip.info().warnings {
             call.context.log(MRY_LOG_WARNING, &format!("{path}: {warning}"));
         }
@@ -148,6 +220,31 @@ pub unsafe extern "C" fn mry_clip_get_info(
         };
         copy_text(info.source, &mut answer.source);
         out.set(&answer);
+        Ok(Code::MRY_OK)
+    })
+}
+
+/// When a frame is shown.
+///
+/// @param context      The context.
+/// @param clip         The clip.
+/// @param frame        Which, counted from 0.
+/// @param out_seconds  Seconds from the first frame.
+/// @param err          Detail of a failure, or NULL.
+/// @return MRY_OK; MRY_E_ARGUMENT (frame).
+/// Thread: [any-thread]. Since 0.1.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mry_clip_get_time(
+    context: *mut mry_context,
+    clip: mry_clip,
+    frame: u64,
+    out_seconds: *mut f64,
+    err: *mut mry_error,
+) -> mry_status {
+    entry!(context, err, |call| {
+        let out = Out::new(out_seconds, "out_seconds")?;
+        let clip = call.clip(clip, "clip")?;
+        out.set(clip.time(frame_index(frame, clip.info().frames)?)?);
         Ok(Code::MRY_OK)
     })
 }

@@ -19,9 +19,12 @@ use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
 use crate::border::{self, Out, Versioned};
 use crate::clip::ClipTable;
+use crate::creature::CreatureTable;
 use crate::error::{Failure, mry_error};
 use crate::executor::{Executor, MAX_THREADS};
 use crate::guard::{contain, entry};
+use crate::job::JobTable;
+use crate::masks::MasksTable;
 use crate::motion::MotionTable;
 use crate::rig::RigTable;
 use crate::status::{mry_status, mry_status_code as Code};
@@ -93,6 +96,9 @@ pub(crate) struct Context {
     pub(crate) clips: ClipTable,
     pub(crate) rigs: RigTable,
     pub(crate) motions: MotionTable,
+    pub(crate) masks: MasksTable,
+    pub(crate) creatures: CreatureTable,
+    pub(crate) jobs: JobTable,
     log: Arc<LogSink>,
     pub(crate) executor: Executor,
     #[cfg(feature = "test-panic")]
@@ -178,6 +184,9 @@ pub unsafe extern "C" fn mry_context_create(
             clips: Table::new(1, tag),
             rigs: Table::new(2, tag),
             motions: Table::new(3, tag),
+            masks: Table::new(4, tag),
+            creatures: Table::new(5, tag),
+            jobs: Table::new(6, tag),
             log: Arc::new(LogSink { sink: desc.log, user: desc.log_user, inside: AtomicU32::new(0) }),
             executor,
             #[cfg(feature = "test-panic")]
@@ -208,6 +217,7 @@ pub unsafe extern "C" fn mry_context_destroy(context: *mut mry_context) -> mry_s
         if inner.log.inside.load(Ordering::Acquire) > 0 {
             return Err(Failure::new(Code::MRY_E_REENTRANT, "context", "not inside a callback"));
         }
+        inner.jobs.all().iter().for_each(|job| job.value.cancel());
         // SAFETY: made by Box::into_raw in mry_context_create; no other call is running, and none will be made.
         drop(unsafe { Box::from_raw(context) });
         Ok(Code::MRY_OK)

@@ -12,9 +12,12 @@
 mod border;
 mod clip;
 mod context;
+mod creature;
 mod error;
 mod executor;
 mod guard;
+mod job;
+mod masks;
 mod motion;
 mod rig;
 mod status;
@@ -26,7 +29,10 @@ mod version;
 
 pub use clip::*;
 pub use context::*;
+pub use creature::*;
 pub use error::*;
+pub use job::*;
+pub use masks::*;
 pub use motion::*;
 pub use rig::*;
 pub use status::*;
