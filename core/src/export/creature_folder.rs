@@ -4,7 +4,11 @@ use std::path::Path;
 use std::time::Instant;
 
 use super::folder::{REPORT, StagedFolder};
+use super::gltf::{GltfOptions, glb};
 use super::masks::write_masks;
+use super::obj::write_obj;
+use super::overlay::overlay;
+use super::preview::preview;
 use super::report::Report;
 use crate::clip::Clip;
 use crate::error::Result;
@@ -50,6 +54,10 @@ impl Default for FolderOptions {
 }
 
 /// Writes the folder, whole or not at all, and adds to `report` what was written and how long it took.
+///
+/// # Errors
+/// A folder that cannot be written or is somebody else's ([`StagedFolder::begin`]), parts that do not fit each other,
+/// or a cancel.
 pub fn write_creature(
     target: &Path,
     files: &CreatureFiles<'_>,
@@ -57,17 +65,41 @@ pub fn write_creature(
     report: &mut Report,
     stage: Stage<'_>,
 ) -> Result<()> {
-    stage.name("writing")?;
-    let _ = options;
+    let &CreatureFiles { clip, rig, motion, masks, model } = files;
     let folder = StagedFolder::begin(target, |name| OURS.contains(&name))?;
 
+    stage.name("writing creature.glb")?;
     let began = Instant::now();
-    folder.write("motion.json", files.motion.to_json().as_bytes())?;
-    folder.create_dir("masks")?;
-    write_masks(&folder.path().join("masks"), files.masks, stage.part(0.1, 0.3))?;
-    report.outputs.extend(["motion.json".into(), "masks".into()]);
-    report.stage("write motion and masks", began.elapsed().as_secs_f64());
+    let gltf = GltfOptions { scale: options.scale, ..GltfOptions::default() };
+    folder.write("creature.glb", &glb(model, &gltf, stage.part(0.0, 0.1))?)?;
+    report.wrote("creature.glb", began);
 
+    stage.part(0.1, 0.25).name("writing masks")?;
+    let began = Instant::now();
+    folder.write("motion.json", motion.to_json().as_bytes())?;
+    folder.create_dir("masks")?;
+    write_masks(&folder.path().join("masks"), masks, stage.part(0.1, 0.25))?;
+    report.outputs.push("motion.json".into());
+    report.wrote("masks", began);
+
+    if options.gifs {
+        stage.part(0.25, 0.5).name("writing overlay.gif")?;
+        let began = Instant::now();
+        folder.write("overlay.gif", &overlay(clip, rig, motion, masks, stage.part(0.25, 0.5))?)?;
+        report.wrote("overlay.gif", began);
+
+        stage.part(0.5, 0.8).name("writing preview.gif")?;
+        let began = Instant::now();
+        folder.write("preview.gif", &preview(model, stage.part(0.5, 0.8))?)?;
+        report.wrote("preview.gif", began);
+    }
+    if options.obj {
+        stage.part(0.8, 1.0).name("writing meshes")?;
+        let began = Instant::now();
+        folder.create_dir("meshes")?;
+        write_obj(&folder.path().join("meshes"), model, stage.part(0.8, 1.0))?;
+        report.wrote("meshes", began);
+    }
     report.outputs.push(REPORT.into());
     folder.write(REPORT, report.to_json().as_bytes())?;
     stage.at(1.0)?;

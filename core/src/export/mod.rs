@@ -1,14 +1,23 @@
 //! Everything that leaves the engine: files for other programs and pictures for people.
 
+mod canvas;
 mod creature_folder;
 mod folder;
+pub mod gif;
 pub mod gltf;
 mod masks;
+mod obj;
+mod overlay;
+mod palette;
 mod png;
+mod preview;
 pub mod report;
 mod write_aside;
 
 pub use creature_folder::{CreatureFiles, FolderOptions, write_creature};
 pub use folder::StagedFolder;
 pub use masks::{write_mask_folder, write_masks};
+pub use obj::write_obj;
+pub use overlay::overlay;
+pub use preview::preview;
 pub use write_aside::write_aside;

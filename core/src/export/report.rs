@@ -163,6 +163,12 @@ impl Report {
         self.total_seconds = (self.stages.iter().map(|s| s.seconds).sum::<f64>() * 1e4).round() / 1e4;
     }
 
+    /// Adds an output that was written since `began`.
+    pub(super) fn wrote(&mut self, name: &str, began: std::time::Instant) {
+        self.outputs.push(name.into());
+        self.stage(&format!("write {name}"), began.elapsed().as_secs_f64());
+    }
+
     /// The text of report.json.
     pub fn to_json(&self) -> String {
         serde_json::to_string_pretty(self).unwrap_or_default()
