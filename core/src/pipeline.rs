@@ -16,6 +16,7 @@ use crate::raster::Mask;
 use crate::rig::Rig;
 use crate::segment::Segmenter;
 use crate::shape::RiggedModel;
+use crate::shape::creature::{CreatureParams, reconstruct};
 use crate::track::Tracker;
 
 /// The share of the time of [`creature_to_folder`] that computing takes; the rest is writing.
@@ -31,20 +32,25 @@ pub struct PipelineOptions<'a> {
     pub tracker: &'a dyn Tracker,
     /// Cuts the creature out of every frame.
     pub segmenter: &'a dyn Segmenter,
+    /// How the creature is built.
+    pub creature: CreatureParams,
     /// Copied into the report, so that a run can be repeated.
     pub settings: serde_json::Value,
 }
 
 impl std::fmt::Debug for PipelineOptions<'_> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("PipelineOptions").field("settings", &self.settings).finish_non_exhaustive()
+        f.debug_struct("PipelineOptions")
+            .field("creature", &self.creature)
+            .field("settings", &self.settings)
+            .finish_non_exhaustive()
     }
 }
 
 impl<'a> PipelineOptions<'a> {
     /// The defaults, with these two.
     pub fn new(tracker: &'a dyn Tracker, segmenter: &'a dyn Segmenter) -> Self {
-        Self { tracker, segmenter, settings: serde_json::Value::Null }
+        Self { tracker, segmenter, creature: CreatureParams::default(), settings: serde_json::Value::Null }
     }
 }
 
@@ -66,7 +72,34 @@ pub struct Outcome {
 /// # Errors
 /// A rig that does not fit the clip, a frame that cannot be read, a cancel, or whatever a stage says.
 pub fn creature(clip: &Clip, rig: &Rig, options: &PipelineOptions<'_>, stage: Stage<'_>) -> Result<Outcome> {
-    creature_with(clip, rig, options, stage, &reconstruct)
+    let info = clip.info();
+    rig.validate(Some(((info.width, info.height), info.frames)))?;
+
+    let began = Instant::now();
+    let track = stage.part(0.0, TRACKED);
+    track.name("tracking")?;
+    let motion = options.tracker.track(clip, rig, track)?;
+    check_motion(clip, rig, &motion)?;
+    let mut report = Report::new(info, rig, &motion);
+    report.settings = options.settings.clone();
+    report.stage("track", began.elapsed().as_secs_f64());
+
+    let began = Instant::now();
+    let segment = stage.part(TRACKED, SEGMENTED);
+    segment.name("segmenting")?;
+    let masks = options.segmenter.segment(clip, rig, &motion, segment)?;
+    check_masks(clip, &masks)?;
+    report.stage("segment", began.elapsed().as_secs_f64());
+
+    let began = Instant::now();
+    let shape = stage.part(SEGMENTED, 1.0);
+    shape.name("reconstructing")?;
+    let model = reconstruct(clip, rig, &motion, &masks, &options.creature, shape)?.model;
+    model.validate()?;
+    report.count_model(&model);
+    report.stage("reconstruct", began.elapsed().as_secs_f64());
+    stage.at(1.0)?;
+    Ok(Outcome { motion, masks, model, report })
 }
 
 /// [`creature`], and everything it made written into `target`, whole or not at all.
@@ -97,48 +130,6 @@ impl Outcome {
         let Self { motion, masks, model, report } = self;
         write_creature(target, &CreatureFiles { clip, rig, motion, masks, model }, files, report, stage)
     }
-}
-
-type Reconstruct = dyn Fn(&Clip, &Rig, &Motion, &[Mask], Stage<'_>) -> Result<RiggedModel>;
-
-fn reconstruct(_: &Clip, _: &Rig, _: &Motion, _: &[Mask], _: Stage<'_>) -> Result<RiggedModel> {
-    Err(Error::invalid("creature", "reconstruction is not part of this build", "use a newer version"))
-}
-
-fn creature_with(
-    clip: &Clip,
-    rig: &Rig,
-    options: &PipelineOptions<'_>,
-    stage: Stage<'_>,
-    reconstruct: &Reconstruct,
-) -> Result<Outcome> {
-    let info = clip.info();
-    rig.validate(Some(((info.width, info.height), info.frames)))?;
-
-    let began = Instant::now();
-    let track = stage.part(0.0, TRACKED);
-    track.name("tracking")?;
-    let motion = options.tracker.track(clip, rig, track)?;
-    check_motion(clip, rig, &motion)?;
-    let mut report = Report::new(info, rig, &motion);
-    report.settings = options.settings.clone();
-    report.stage("track", began.elapsed().as_secs_f64());
-
-    let began = Instant::now();
-    let segment = stage.part(TRACKED, SEGMENTED);
-    segment.name("segmenting")?;
-    let masks = options.segmenter.segment(clip, rig, &motion, segment)?;
-    check_masks(clip, &masks)?;
-    report.stage("segment", began.elapsed().as_secs_f64());
-
-    let began = Instant::now();
-    let shape = stage.part(SEGMENTED, 1.0);
-    shape.name("reconstructing")?;
-    let model = reconstruct(clip, rig, &motion, &masks, shape)?;
-    report.count_model(&model);
-    report.stage("reconstruct", began.elapsed().as_secs_f64());
-    stage.at(1.0)?;
-    Ok(Outcome { motion, masks, model, report })
 }
 
 /// A tracker must give every limb a place in every frame.
