@@ -28,6 +28,20 @@ const SOFTNESS: (f32, f32) = (0.2, 1.5);
 /// Prior knowledge is never surer than this (natural logarithm of odds).
 const SURE: f32 = 3.0;
 
+/// The weight of a limb's shape where its track cannot be trusted at all.
+const DOUBTED: f32 = 0.25;
+
+/// Who says what is creature.
+#[derive(Clone, Copy)]
+enum Teacher<'m> {
+    /// The strokes as drawn on key frames.
+    Drawn,
+    /// These pixels of tracked strokes.
+    Accepted(&'m [Mask]),
+    /// The masks of the last pass.
+    Masks(&'m [Mask]),
+}
+
 /// What all passes share.
 pub(super) struct Layers<'a> {
     pub(super) working: &'a Working,
@@ -62,10 +76,12 @@ impl<'a> Layers<'a> {
     pub(super) fn masks(&self, stage: Stage<'_>) -> Result<Vec<Mask>> {
         let passes = self.params.passes.max(1);
         let share = |p: usize| stage.part(p as f64 / (passes + 1) as f64, (p + 1) as f64 / (passes + 1) as f64);
-        let radii = self.radii(share(0))?;
+        let (accepted, trust) = self.agreement(share(0).part(0.0, 0.5))?;
+        let radii = self.radii(&accepted, share(0).part(0.5, 1.0))?;
         let mut masks: Option<Vec<Mask>> = None;
         for pass in 0..passes {
-            masks = Some(self.pass(&radii, masks.as_deref(), share(pass + 1))?);
+            let teacher = masks.as_deref().map_or(Teacher::Accepted(&accepted), Teacher::Masks);
+            masks = Some(self.pass(&radii, &trust, teacher, share(pass + 1))?);
         }
         Ok(masks.unwrap_or_default())
     }
@@ -83,26 +99,39 @@ impl<'a> Layers<'a> {
         done.into_iter().collect()
     }
 
-    /// What a pixel teaches: from the masks where there are any, else from the strokes and what is far from them.
-    fn lesson(&self, masks: Option<&[Mask]>, frame: usize, index: usize) -> Lesson {
+    /// What a pixel teaches.
+    fn lesson(&self, teacher: Teacher<'_>, frame: usize, index: usize) -> Lesson {
         let place = self.fields[frame].data()[index];
-        let Some(masks) = masks else {
-            if self.cells.of(place).is_none() {
-                return Lesson::Background;
-            }
-            let sample = usize::from(place.sample);
-            let sure =
-                place.distance() <= STROKE_WIDTH && self.limbs.trusted[sample] && self.limbs.visible[frame][sample];
-            return if sure { Lesson::Creature } else { Lesson::Nothing };
+        let at = (index % self.working.width, index / self.working.width);
+        if let Teacher::Masks(masks) = teacher {
+            return if masks[frame].get(at.0, at.1) { Lesson::Creature } else { Lesson::Background };
+        }
+        if self.cells.of(place).is_none() {
+            return Lesson::Background;
+        }
+        if !self.on_stroke(frame, place) {
+            return Lesson::Nothing;
+        }
+        let limb = usize::from(self.limbs.limb[usize::from(place.sample)]);
+        let taught = match teacher {
+            Teacher::Accepted(accepted) => accepted[frame].get(at.0, at.1),
+            _ => self.limbs.drawn[frame][limb],
         };
-        let (x, y) = (index % self.working.width, index / self.working.width);
-        if masks[frame].get(x, y) { Lesson::Creature } else { Lesson::Background }
+        if taught { Lesson::Creature } else { Lesson::Nothing }
     }
 
-    /// Evidence of every frame under the models that `masks` teach, handed to `take`.
+    /// Whether a pixel lies on a part of a stroke that should show creature.
+    fn on_stroke(&self, frame: usize, place: Place) -> bool {
+        place.sample != NOWHERE && place.distance() <= STROKE_WIDTH && {
+            let sample = usize::from(place.sample);
+            self.limbs.trusted[sample] && self.limbs.visible[frame][sample]
+        }
+    }
+
+    /// Evidence of every frame under the models that are taught, handed to `take`.
     fn with_evidence<T: Send>(
         &self,
-        masks: Option<&[Mask]>,
+        teacher: Teacher<'_>,
         stage: Stage<'_>,
         take: impl Fn(usize, Vec<f32>) -> T + Sync,
     ) -> Result<Vec<T>> {
@@ -110,7 +139,7 @@ impl<'a> Layers<'a> {
             let mut lessons = Lessons::new(self.limbs);
             for (index, &colour) in self.working.frames[frame].data().iter().enumerate() {
                 let place = self.fields[frame].data()[index];
-                lessons.add(colour, place, self.limbs, self.lesson(masks, frame, index), 1);
+                lessons.add(colour, place, self.limbs, self.lesson(teacher, frame, index), 1);
             }
             lessons
         })?;
@@ -121,15 +150,50 @@ impl<'a> Layers<'a> {
         let last = self.working.frames.len() - 1;
         self.each_frame(stage.part(0.3, 1.0), |frame| {
             let near = [frame.checked_sub(2), Some(frame), Some(frame + 2).filter(|&f| f <= last)];
-            let tiles = Tiles::learn(self.working, near.into_iter().flatten(), |f, index| self.lesson(masks, f, index));
+            let tiles =
+                Tiles::learn(self.working, near.into_iter().flatten(), |f, index| self.lesson(teacher, f, index));
             let image = &self.working.frames[frame];
             take(frame, colour_evidence(image, &self.fields[frame], self.cells, self.limbs, &colours, &tiles))
         })
     }
 
+    /// Stroke pixels whose colours agree with those of the drawn strokes, and for every frame and limb how large a
+    /// share of the stroke they are: how far the track can be trusted there.
+    fn agreement(&self, stage: Stage<'_>) -> Result<(Vec<Mask>, Vec<Vec<f32>>)> {
+        let limbs = self.limbs.first.len() - 1;
+        let found = self.with_evidence(Teacher::Drawn, stage, |frame, evidence| {
+            let mut accepted = Mask::new(self.working.width, self.working.height);
+            let (mut agreed, mut all) = (vec![0u32; limbs], vec![0u32; limbs]);
+            for (index, &place) in self.fields[frame].data().iter().enumerate() {
+                if !self.on_stroke(frame, place) {
+                    continue;
+                }
+                let limb = usize::from(self.limbs.limb[usize::from(place.sample)]);
+                let drawn = self.limbs.drawn[frame][limb];
+                all[limb] += 1;
+                if drawn || evidence[index] > 0.0 {
+                    accepted.set(index % self.working.width, index / self.working.width, true);
+                }
+                agreed[limb] += u32::from(evidence[index] > 0.0);
+            }
+            let share = |l: usize| if all[l] == 0 { 1.0 } else { agreed[l] as f32 / all[l] as f32 };
+            (accepted, (0..limbs).map(share).collect::<Vec<f32>>())
+        })?;
+        let (accepted, mut trust): (Vec<Mask>, Vec<Vec<f32>>) = found.into_iter().unzip();
+        for limb in 0..limbs {
+            // Colours that creature and background share cannot agree even where the stroke is right.
+            let drawn = (0..trust.len()).filter(|&f| self.limbs.drawn[f][limb]);
+            let best = drawn.map(|f| trust[f][limb]).fold(0.0f32, f32::max).max(0.1);
+            for (frame, t) in trust.iter_mut().enumerate() {
+                t[limb] = if self.limbs.drawn[frame][limb] { 1.0 } else { (t[limb] / best).min(1.0) };
+            }
+        }
+        Ok((accepted, trust))
+    }
+
     /// Limb radii from the colours that strokes and surroundings teach.
-    fn radii(&self, stage: Stage<'_>) -> Result<Vec<[f32; 2]>> {
-        let profiles = self.with_evidence(None, stage, |frame, evidence| {
+    fn radii(&self, accepted: &[Mask], stage: Stage<'_>) -> Result<Vec<[f32; 2]>> {
+        let profiles = self.with_evidence(Teacher::Accepted(accepted), stage, |frame, evidence| {
             let mut profile = Profile::new(self.cells);
             for (&place, e) in self.fields[frame].data().iter().zip(evidence) {
                 if let Some(cell) = self.cells.of(place) {
@@ -144,16 +208,22 @@ impl<'a> Layers<'a> {
     }
 
     /// One pass over all frames.
-    fn pass(&self, radii: &[[f32; 2]], masks: Option<&[Mask]>, stage: Stage<'_>) -> Result<Vec<Mask>> {
-        let occupied = match masks {
-            Some(masks) => {
+    fn pass(
+        &self,
+        radii: &[[f32; 2]],
+        trust: &[Vec<f32>],
+        teacher: Teacher<'_>,
+        stage: Stage<'_>,
+    ) -> Result<Vec<Mask>> {
+        let occupied = match teacher {
+            Teacher::Masks(masks) => {
                 self.each_frame(stage.part(0.0, 0.1), |f| occupancy(&masks[f], &self.fields[f], self.cells))?
             }
-            None => Vec::new(),
+            _ => Vec::new(),
         };
         let weights = vec![1.0; occupied.len()];
         let reach = self.cells.reach;
-        self.with_evidence(masks, stage.part(0.1, 1.0), |frame, evidence| {
+        self.with_evidence(teacher, stage.part(0.1, 1.0), |frame, evidence| {
             let by_radius = |cell: usize| {
                 let (sample, side, distance) = (cell / reach / 2, cell / reach % 2, (cell % reach) as f32);
                 let r = radii[sample][side];
@@ -169,7 +239,11 @@ impl<'a> Layers<'a> {
                     .map(|&s| (s.clamp(1e-3, 0.999) / (1.0 - s.clamp(1e-3, 0.999))).ln().clamp(-SURE, SURE))
                     .collect()
             };
-            self.cut(frame, &evidence, &prior)
+            let weighed = prior.iter().enumerate().map(|(cell, p)| {
+                let limb = usize::from(self.limbs.limb[cell / reach / 2]);
+                p * (DOUBTED + (1.0 - DOUBTED) * trust[frame][limb].powi(2))
+            });
+            self.cut(frame, &evidence, &weighed.collect::<Vec<f32>>())
         })
     }
 

@@ -108,6 +108,7 @@ mod tests {
             twin: vec![None],
             places: vec![vec![vec2(10.5, 20.5), vec2(20.5, 20.5), vec2(30.5, 20.5)], vec![Vec2::NAN; 3]],
             visible: vec![vec![true; 3], vec![false; 3]],
+            drawn: vec![vec![true], vec![false]],
         };
         let field = stroke_field(&limbs, 0, 40, 40);
         let (above, below) = (field.get(20, 12), field.get(20, 29));

@@ -103,6 +103,8 @@ pub(super) struct Limbs {
     pub(super) places: Vec<Vec<Vec2>>,
     /// For every frame whether the tracker saw the sample.
     pub(super) visible: Vec<Vec<bool>>,
+    /// For every frame whether the user drew the limb there.
+    pub(super) drawn: Vec<Vec<bool>>,
 }
 
 /// Longest row of samples of one limb.
@@ -151,7 +153,8 @@ impl Limbs {
             visible.push(seen);
         }
         let twin = (0..rig.limbs.len()).map(|l| rig.twin(l)).collect();
-        Self { limb, first, trusted, twin, places, visible }
+        let drawn = (0..frames).map(|f| (0..rig.limbs.len()).map(|l| rig.stroke(l, f).is_some()).collect()).collect();
+        Self { limb, first, trusted, twin, places, visible, drawn }
     }
 
     /// How many samples there are.
