@@ -17,7 +17,6 @@ const LEAST_SIDE: u32 = 320;
 /// CIE Lab in a byte a channel: lightness over 0..=255, chroma doubled around 128 (it saturates beyond +-63, where
 /// only the purest paints lie).
 #[derive(Clone, Debug)]
-#[allow(dead_code)]
 pub(super) struct LabImage {
     pixels: Grid<[u8; 3]>,
 }

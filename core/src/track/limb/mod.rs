@@ -2,15 +2,20 @@
 
 mod candidates;
 mod carry;
+mod claims;
 mod footage;
+mod foreground;
 mod limb_keys;
 mod limb_width;
 mod params;
 mod patch;
+mod pose_path;
+mod pose_search;
 mod solving_order;
 mod space_time;
 #[cfg(test)]
 mod stage_set;
+mod strip;
 mod templates;
 mod tree_dp;
 

@@ -1,0 +1,190 @@
+//! What a limb looks like along and across its stroke on key frames, and how well a pose fits a frame.
+//!
+//! A limb's appearance is a strip around its axis: colours inside, and just outside the knowledge whether something
+//! else began there. A pose is judged by laying the strip along it, so that length, width and tip hold it as well as
+//! texture does. Costs are sums over edges, which lets a search build poses edge by edge.
+
+use glam::Vec2;
+
+use super::footage::LabImage;
+use super::foreground::Foreground;
+use crate::raster::Mask;
+
+/// Places across the limb, in half widths: inside, and outside either border.
+const ACROSS: [f32; 7] = [-1.5, -0.75, -0.375, 0.0, 0.375, 0.75, 1.5];
+/// Places along every edge, as shares of it.
+const ALONG: [f32; 2] = [0.0, 0.5];
+/// Samples of one edge.
+const SAMPLES: usize = ACROSS.len() * ALONG.len();
+/// Squared colour distance (byte units, lightness at half weight) that counts as half different.
+const COLOUR: f32 = 28.0 * 28.0;
+/// Share of the cost inside that is texture; the rest is being animal at all.
+const TEXTURE: f32 = 0.5;
+/// Cost of animal just outside where the key frame had none.
+const OUTSIDE: f32 = 0.4;
+/// Cost of being hidden behind something nearer, between that of a good and that of a bad match.
+const HIDDEN: f32 = 0.3;
+/// The claims of nearer limbs are kept at one bit for so many working pixels.
+pub(super) const CLAIM_CELL: f32 = 2.0;
+
+#[derive(Clone, Copy, Debug, Default)]
+struct Sample {
+    colour: [u8; 3],
+    /// How much the colour counts; zero where the key frame showed something else.
+    inside: f32,
+    /// How much it counts that nothing of the animal is there.
+    outside: f32,
+}
+
+/// The strip on one key frame.
+#[derive(Clone, Debug)]
+struct KeyStrip {
+    frame: usize,
+    edges: Vec<[Sample; SAMPLES]>,
+    /// Beyond the free end.
+    tip: [Sample; SAMPLES],
+}
+
+/// A limb's looks on all its key frames.
+#[derive(Clone, Debug)]
+pub(super) struct Strip {
+    /// Half widths at the vertices, working pixels.
+    pub(super) radii: Vec<f32>,
+    keys: Vec<KeyStrip>,
+}
+
+/// One frame as poses are judged on it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct View<'a> {
+    pub(super) image: &'a LabImage,
+    pub(super) foreground: &'a Foreground,
+    /// What nearer limbs cover, at [`CLAIM_CELL`].
+    pub(super) claimed: Option<&'a Mask>,
+}
+
+impl View<'_> {
+    #[inline]
+    fn is_claimed(&self, p: Vec2) -> bool {
+        self.claimed.is_some_and(|m| m.at((p.x / CLAIM_CELL) as isize, (p.y / CLAIM_CELL) as isize))
+    }
+}
+
+/// Where the samples of the edge from `a` to `b` lie. `ra` and `rb` are half widths.
+#[inline]
+fn places(a: Vec2, b: Vec2, ra: f32, rb: f32) -> [Vec2; SAMPLES] {
+    let normal = (b - a).try_normalize().unwrap_or(Vec2::X).perp();
+    std::array::from_fn(|i| {
+        let along = ALONG[i / ACROSS.len()];
+        a.lerp(b, along) + normal * (ACROSS[i % ACROSS.len()] * (ra + (rb - ra) * along))
+    })
+}
+
+#[inline]
+fn is_outside(i: usize) -> bool {
+    let across = i % ACROSS.len();
+    across == 0 || across == ACROSS.len() - 1
+}
+
+impl Strip {
+    /// The looks of `poses` on their key frames. `closed` says that the limb ends there, so that beyond its tip there
+    /// should be nothing of it.
+    pub(super) fn new(radii: Vec<f32>, keys: &[(usize, View<'_>, &[Vec2])], closed: bool) -> Self {
+        let keys = keys.iter().map(|(frame, view, pose)| KeyStrip::new(*frame, view, pose, &radii, closed)).collect();
+        Self { radii, keys }
+    }
+
+    /// The two key frames around `frame`, as indices for [`Self::edge_cost`].
+    pub(super) fn keys_around(&self, frame: usize) -> [usize; 2] {
+        let after = self.keys.iter().position(|k| k.frame >= frame).unwrap_or(self.keys.len() - 1);
+        let before = self.keys.iter().rposition(|k| k.frame <= frame).unwrap_or(0);
+        [before, after]
+    }
+
+    /// Cost of edge `e` from `a` to `b`, the better of the two keys; at most about 1.
+    #[inline]
+    pub(super) fn edge_cost(&self, view: &View<'_>, keys: [usize; 2], e: usize, a: Vec2, b: Vec2) -> f32 {
+        let at = places(a, b, self.radii[e], self.radii[e + 1]);
+        let cost = judge(view, &self.keys[keys[0]].edges[e], &at);
+        if keys[0] == keys[1] { cost } else { cost.min(judge(view, &self.keys[keys[1]].edges[e], &at)) }
+    }
+
+    /// Cost of what lies beyond the tip.
+    #[inline]
+    pub(super) fn tip_cost(&self, view: &View<'_>, keys: [usize; 2], pose: &[Vec2]) -> f32 {
+        let (a, b, r) = beyond(pose, &self.radii);
+        let at = places(a, b, r, r);
+        judge(view, &self.keys[keys[0]].tip, &at).min(judge(view, &self.keys[keys[1]].tip, &at))
+    }
+
+    /// Mean cost of a whole pose on the frame of `view`.
+    pub(super) fn cost(&self, view: &View<'_>, frame: usize, pose: &[Vec2]) -> f32 {
+        let keys = self.keys_around(frame);
+        let edges: f32 = (0..pose.len() - 1).map(|e| self.edge_cost(view, keys, e, pose[e], pose[e + 1])).sum();
+        (edges + self.tip_cost(view, keys, pose)) / pose.len() as f32
+    }
+}
+
+/// The piece after the limb's end: as long as the limb is wide there.
+fn beyond(pose: &[Vec2], radii: &[f32]) -> (Vec2, Vec2, f32) {
+    let n = pose.len();
+    let r = radii[n - 1];
+    let direction = (pose[n - 1] - pose[n - 2]).try_normalize().unwrap_or(Vec2::X);
+    (pose[n - 1] + direction * (0.8 * r), pose[n - 1] + direction * (2.0 * r), r)
+}
+
+impl KeyStrip {
+    fn new(frame: usize, view: &View<'_>, pose: &[Vec2], radii: &[f32], closed: bool) -> Self {
+        let edges = (0..pose.len() - 1)
+            .map(|e| {
+                let at = places(pose[e], pose[e + 1], radii[e], radii[e + 1]);
+                std::array::from_fn(|i| learn(view, at[i], is_outside(i)))
+            })
+            .collect();
+        let (a, b, r) = beyond(pose, radii);
+        let at = places(a, b, r, r);
+        let tip = std::array::from_fn(|i| if closed { learn(view, at[i], true) } else { Sample::default() });
+        Self { frame, edges, tip }
+    }
+}
+
+fn learn(view: &View<'_>, p: Vec2, outside: bool) -> Sample {
+    let Some(colour) = view.image.at(p) else { return Sample::default() };
+    if view.is_claimed(p) {
+        return Sample::default();
+    }
+    let animal = view.foreground.probability(colour);
+    if outside {
+        Sample { colour, inside: 0.0, outside: if animal < 0.5 { 1.0 - animal } else { 0.0 } }
+    } else {
+        // A stroke drawn past the limb's border is no reason to look for background.
+        Sample { colour, inside: if animal > 0.35 { 1.0 } else { 0.15 }, outside: 0.0 }
+    }
+}
+
+#[inline]
+fn judge(view: &View<'_>, samples: &[Sample; SAMPLES], at: &[Vec2; SAMPLES]) -> f32 {
+    let mut sum = 0.0;
+    for (sample, &p) in samples.iter().zip(at) {
+        let weight = sample.inside + sample.outside;
+        if weight == 0.0 {
+            continue;
+        }
+        if sample.inside > 0.0 && view.is_claimed(p) {
+            sum += weight * HIDDEN;
+            continue;
+        }
+        let Some(colour) = view.image.at(p) else {
+            sum += weight * if sample.inside > 0.0 { HIDDEN } else { 0.0 };
+            continue;
+        };
+        let animal = view.foreground.probability(colour);
+        if sample.inside > 0.0 {
+            let [dl, da, db] = [0, 1, 2].map(|c| f32::from(colour[c]) - f32::from(sample.colour[c]));
+            let d = 0.5 * dl * dl + da * da + db * db;
+            sum += weight * (TEXTURE * d / (d + COLOUR) + (1.0 - TEXTURE) * (1.0 - animal));
+        } else {
+            sum += weight * OUTSIDE * animal;
+        }
+    }
+    sum * (1.0 / (SAMPLES as f32 * 5.0 / 7.0))
+}
