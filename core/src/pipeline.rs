@@ -112,23 +112,28 @@ pub fn creature_to_folder(
     stage: Stage<'_>,
 ) -> Result<Outcome> {
     let mut outcome = creature(clip, rig, options, stage.part(0.0, COMPUTED))?;
-    outcome.write(clip, rig, target, files, stage.part(COMPUTED, 1.0))?;
+    outcome.report = outcome.write(clip, rig, target, files, stage.part(COMPUTED, 1.0))?;
     Ok(outcome)
 }
 
 impl Outcome {
-    /// Writes everything into the folder `target`, whole or not at all, and notes in the report what was written.
-    /// `clip` and `rig` are the ones it was made from.
+    /// Writes everything into the folder `target`, whole or not at all, and gives the report as written there: with
+    /// the outputs and how long they took. `clip` and `rig` are the ones it was made from.
+    ///
+    /// # Errors
+    /// As [`write_creature`].
     pub fn write(
-        &mut self,
+        &self,
         clip: &Clip,
         rig: &Rig,
         target: &Path,
-        files: &FolderOptions,
+        options: &FolderOptions,
         stage: Stage<'_>,
-    ) -> Result<()> {
+    ) -> Result<Report> {
         let Self { motion, masks, model, report } = self;
-        write_creature(target, &CreatureFiles { clip, rig, motion, masks, model }, files, report, stage)
+        let mut report = report.clone();
+        write_creature(target, &CreatureFiles { clip, rig, motion, masks, model }, options, &mut report, stage)?;
+        Ok(report)
     }
 }
 

@@ -145,3 +145,55 @@ fn has_report(folder: &Path) -> bool {
         .and_then(|text| serde_json::from_str::<Mark>(&text).ok())
         .is_some_and(|mark| mark.format == report::FORMAT)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn ours(name: &str) -> bool {
+        name == "a" || name == "b" || name == REPORT
+    }
+
+    #[test]
+    fn a_rename_that_fails_is_undone() {
+        let root = tempfile::tempdir().expect("a folder");
+        let target = root.path().join("out");
+        let first = StagedFolder::begin(&target, ours).expect("begun");
+        first.write("a", b"old").expect("written");
+        first.write("b", b"old").expect("written");
+        first.write(REPORT, br#"{"format":"marey-report"}"#).expect("written");
+        first.commit().expect("put in place");
+        std::fs::create_dir_all(target.join("c/full")).expect("a folder");
+
+        let second = StagedFolder::begin(&target, ours).expect("begun");
+        second.write("a", b"new").expect("written");
+        // A file cannot take the place of a folder, and `c` is not ours to move away.
+        second.write("c", b"new").expect("written");
+        let error = second.commit().expect_err("c is in the way");
+        assert!(error.to_string().contains("out"), "{error}");
+        for name in ["a", "b"] {
+            assert_eq!(std::fs::read(target.join(name)).expect("still there"), b"old");
+        }
+        let mut names = ours_in(&target, |_| true).expect("listed");
+        names.sort();
+        assert_eq!(names, ["a", "b", "c", REPORT]);
+    }
+
+    #[test]
+    fn dropped_without_commit_it_leaves_no_trace() {
+        let root = tempfile::tempdir().expect("a folder");
+        let folder = StagedFolder::begin(root.path().join("deep/out"), ours).expect("begun");
+        folder.write("a", b"half").expect("written");
+        drop(folder);
+        assert_eq!(std::fs::read_dir(root.path()).expect("listed").count(), 0);
+    }
+
+    #[test]
+    fn a_damaged_report_does_not_make_a_folder_ours() {
+        let root = tempfile::tempdir().expect("a folder");
+        for text in ["", "{\"format\":\"marey-rep", "[]", "{\"format\":\"other\"}"] {
+            std::fs::write(root.path().join(REPORT), text).expect("written");
+            assert!(StagedFolder::begin(root.path(), ours).is_err(), "{text}");
+        }
+    }
+}

@@ -1,6 +1,7 @@
-//! The creature in motion as a GIF: as the clip's camera sees it, and from another side.
+//! The creature in motion as a GIF: as the clip's camera sees it, and lit, from another side. Both views are cut to
+//! where the creature is over all frames.
 
-use glam::{Mat4, Vec3, vec3};
+use glam::{Mat4, Vec2, Vec3, vec3};
 use image::{Rgb, RgbImage};
 use rayon::prelude::*;
 
@@ -12,16 +13,18 @@ use crate::raster::{Rasterizer, Surface, clip_view, orbit_view};
 use crate::shape::RiggedModel;
 
 /// Size of each of the two views.
-const MAX_WIDTH: u32 = 360;
-const MAX_HEIGHT: u32 = 320;
+const MAX_WIDTH: f32 = 360.0;
+const MAX_HEIGHT: f32 = 300.0;
+/// Share of a view that the creature takes.
+const FILL: f32 = 0.92;
+/// Screen pixels a pixel of the clip, at most: more would show nothing more.
+const MAX_SCALE: f32 = 1.25;
 const MAX_FRAMES: usize = 120;
 /// Samples a pixel along each axis.
 const FINE: u32 = 2;
 /// The second view: to the right and from above, in degrees.
 const YAW: f32 = 40.0;
 const PITCH: f32 = 12.0;
-/// The second view shows the creature at most this many times larger than the first.
-const MAX_ZOOM: f32 = 2.0;
 const BACKGROUND: [u8; 3] = [58, 62, 70];
 const DIVIDER: [u8; 3] = [36, 38, 43];
 
@@ -31,46 +34,60 @@ const DIVIDER: [u8; 3] = [36, 38, 43];
 /// A model that is not valid, or a cancel.
 pub fn preview(model: &RiggedModel, stage: Stage<'_>) -> Result<Vec<u8>> {
     model.validate()?;
-    let (width, height) = model.size;
-    let scale = (MAX_WIDTH as f32 / width.max(1) as f32).min(MAX_HEIGHT as f32 / height.max(1) as f32).min(1.0);
-    let side = |pixels: u32| ((pixels as f32 * scale).round() as u32).max(1);
-    let view = (side(width), side(height));
     let schedule = Schedule::new(model.animation.len(), model.fps, MAX_FRAMES);
-
-    let clip = Mat4::from_scale(vec3(scale, scale, scale)) * clip_view(height);
-    let other = other_view(model, &schedule.frames, scale, view, stage.part(0.0, 0.1))?;
+    let turned = orbit_view(Vec3::ZERO, YAW, PITCH, 1.0, None, (0, 0));
+    let seen = [
+        Bounds::seen(model, &schedule.frames, &clip_view(0), stage)?,
+        Bounds::seen(model, &schedule.frames, &turned, stage)?,
+    ];
+    // One size and one scale for both, so that they can be compared.
+    let extent = seen[0].extent().max(seen[1].extent());
+    let scale = (FILL * MAX_WIDTH / extent.x).min(FILL * MAX_HEIGHT / extent.y).min(MAX_SCALE);
+    let size = (extent * scale / FILL).ceil().max(Vec2::ONE);
+    let views = [(clip_view(0), seen[0]), (turned, seen[1])].map(|(view, seen)| {
+        Mat4::from_translation((size / 2.0).extend(0.0))
+            * Mat4::from_scale(Vec3::splat(scale))
+            * Mat4::from_translation(-seen.middle().extend(0.0))
+            * view
+    });
+    let size = (size.x as u32, size.y as u32);
     let draw = |frame: usize| {
         let meshes = model.pose(frame);
-        Ok(side_by_side(&show(model, &meshes, clip, view, false), &show(model, &meshes, other, view, true)))
+        Ok(side_by_side(&show(model, &meshes, views[0], size, false), &show(model, &meshes, views[1], size, true)))
     };
     encode(&schedule, &[BACKGROUND, DIVIDER], draw, stage.part(0.1, 1.0))
 }
 
-/// The second view, centred and sized so that the creature stays in the picture in all frames.
-fn other_view(model: &RiggedModel, frames: &[usize], scale: f32, view: (u32, u32), stage: Stage<'_>) -> Result<Mat4> {
-    let turned = orbit_view(Vec3::ZERO, YAW, PITCH, 1.0, None, (0, 0));
-    let boxes: Vec<[Vec3; 4]> = frames
-        .par_iter()
-        .map(|&frame| {
-            stage.at(0.0)?;
-            let start = [Vec3::INFINITY, Vec3::NEG_INFINITY, Vec3::INFINITY, Vec3::NEG_INFINITY];
-            let meshes = model.pose(frame);
-            Ok(meshes.iter().flat_map(|m| &m.positions).fold(start, |b, p| {
-                let seen = turned.transform_point3(*p);
-                [b[0].min(*p), b[1].max(*p), b[2].min(seen), b[3].max(seen)]
-            }))
-        })
-        .collect::<Result<_>>()?;
-    let all = boxes
-        .into_iter()
-        .reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1]), a[2].min(b[2]), a[3].max(b[3])])
-        .filter(|b| b.iter().all(|v| v.is_finite()))
-        .unwrap_or([Vec3::ZERO; 4]);
-    let spread = (all[3] - all[2]).max(Vec3::ONE);
-    let fit = (0.92 * view.0 as f32 / spread.x).min(0.92 * view.1 as f32 / spread.y).min(MAX_ZOOM * scale);
-    // The middle of what is seen, rather than of the box in the world, is what should be in the middle.
-    let center = turned.inverse().transform_point3((all[2] + all[3]) / 2.0);
-    Ok(orbit_view(center, YAW, PITCH, fit, None, view))
+/// What a view sees of the creature over all frames, on the screen.
+#[derive(Clone, Copy, Debug)]
+struct Bounds {
+    low: Vec2,
+    high: Vec2,
+}
+
+impl Bounds {
+    fn seen(model: &RiggedModel, frames: &[usize], view: &Mat4, stage: Stage<'_>) -> Result<Self> {
+        let nothing = Self { low: Vec2::INFINITY, high: Vec2::NEG_INFINITY };
+        let join = |a: Self, b: Self| Self { low: a.low.min(b.low), high: a.high.max(b.high) };
+        let each: Vec<Self> = frames
+            .par_iter()
+            .map(|&frame| {
+                stage.at(0.0)?;
+                let meshes = model.pose(frame);
+                let places = meshes.iter().flat_map(|m| &m.positions).map(|p| view.transform_point3(*p).truncate());
+                Ok(places.fold(nothing, |b, p| join(b, Self { low: p, high: p })))
+            })
+            .collect::<Result<_>>()?;
+        Ok(each.into_iter().fold(nothing, join))
+    }
+
+    fn extent(&self) -> Vec2 {
+        (self.high - self.low).max(Vec2::ONE)
+    }
+
+    fn middle(&self) -> Vec2 {
+        (self.low + self.high) / 2.0
+    }
 }
 
 fn show(model: &RiggedModel, meshes: &[TriMesh], view: Mat4, (width, height): (u32, u32), lit: bool) -> RgbImage {

@@ -1,4 +1,9 @@
-//! What leaves the engine, read back by somebody else.
+//! What leaves the engine, read back by somebody else, and the whole job that makes it.
 
+mod folder;
 mod gltf;
 mod model;
+mod obj;
+mod pictures;
+mod pipeline;
+mod scene;
