@@ -1,5 +1,6 @@
 //! Pixels: float grids, bit masks, filters, and a small rasterizer. Knows nothing of clips, rigs or creatures.
 
+pub(crate) mod bilateral;
 pub(crate) mod distance;
 pub(crate) mod gaussian;
 mod grid;

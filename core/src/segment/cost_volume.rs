@@ -1,10 +1,10 @@
 //! The built-in segmenter.
 
-use super::Segmenter;
 use super::layered::{Layers, SPACING};
-use super::params::SegmentParams;
+use super::params::{Method, SegmentParams};
 use super::refine::refine;
 use super::working::{Limbs, Working, for_batches};
+use super::{Segmenter, paper};
 use crate::clip::Clip;
 use crate::error::Result;
 use crate::job::Stage;
@@ -24,9 +24,17 @@ impl Segmenter for CostVolumeSegmenter {
         let info = clip.info();
         rig.validate(Some(((info.width, info.height), info.frames)))?;
         let working = Working::read(clip, self.params.working_side, stage.part(0.0, 0.15))?;
-        let limbs = Limbs::new(rig, motion, working.scale, info.frames, SPACING);
-        let layers = Layers::new(&working, &limbs, &self.params, stage.part(0.15, 0.2))?;
-        let small = layers.masks(stage.part(0.2, 0.85))?;
+        let small = match self.params.method {
+            Method::Layered => {
+                let limbs = Limbs::new(rig, motion, working.scale, info.frames, SPACING);
+                let layers = Layers::new(&working, &limbs, &self.params, stage.part(0.15, 0.2))?;
+                layers.masks(stage.part(0.2, 0.85))?
+            }
+            Method::Paper => {
+                let limbs = Limbs::new(rig, motion, working.scale, info.frames, 1.0);
+                paper::masks(&working, &limbs, &self.params.paper, stage.part(0.15, 0.85))?
+            }
+        };
         let mut masks = Vec::with_capacity(info.frames);
         for_batches(clip, stage.part(0.85, 1.0), |f, picture| Ok(refine(&picture.rgb, &small[f])), &mut masks)?;
         Ok(masks)

@@ -60,16 +60,10 @@ impl<'a> Layers<'a> {
         stage: Stage<'_>,
     ) -> Result<Self> {
         let reach = params.reach * limbs.extent();
-        let frames = working.frames.len();
-        let fields: Vec<Result<Grid<Place>>> = (0..frames)
-            .into_par_iter()
-            .map(|frame| {
-                stage.at(frame as f64 / frames as f64)?;
-                Ok(stroke_field(limbs, frame, working.width, working.height))
-            })
-            .collect();
-        let fields: Result<Vec<_>> = fields.into_iter().collect();
-        Ok(Self { working, limbs, params, cells: Cells::new(limbs.len(), reach), fields: fields? })
+        let fields = each_frame(working.frames.len(), stage, |frame| {
+            Ok(stroke_field(limbs, frame, working.width, working.height))
+        })?;
+        Ok(Self { working, limbs, params, cells: Cells::new(limbs.len(), reach), fields })
     }
 
     /// The creature in every frame, at working size.
@@ -86,17 +80,8 @@ impl<'a> Layers<'a> {
         Ok(masks.unwrap_or_default())
     }
 
-    /// Runs `work` for every frame side by side; results in order.
     fn each_frame<T: Send>(&self, stage: Stage<'_>, work: impl Fn(usize) -> T + Sync) -> Result<Vec<T>> {
-        let frames = self.working.frames.len();
-        let done: Vec<Result<T>> = (0..frames)
-            .into_par_iter()
-            .map(|frame| {
-                stage.at(frame as f64 / frames as f64)?;
-                Ok(work(frame))
-            })
-            .collect();
-        done.into_iter().collect()
+        each_frame(self.working.frames.len(), stage, |frame| Ok(work(frame)))
     }
 
     /// What a pixel teaches.
@@ -292,6 +277,22 @@ impl<'a> Layers<'a> {
     pub(super) fn sees_limbs(&self, frame: usize) -> bool {
         self.fields[frame].data().iter().any(|p| p.sample != NOWHERE)
     }
+}
+
+/// Runs `work` for every frame side by side; results in order.
+pub(super) fn each_frame<T: Send>(
+    frames: usize,
+    stage: Stage<'_>,
+    work: impl Fn(usize) -> Result<T> + Sync,
+) -> Result<Vec<T>> {
+    let done: Vec<Result<T>> = (0..frames)
+        .into_par_iter()
+        .map(|frame| {
+            stage.at(frame as f64 / frames as f64)?;
+            work(frame)
+        })
+        .collect();
+    done.into_iter().collect()
 }
 
 const EDGES: [(Neighbour, isize, usize); 4] =

@@ -108,7 +108,7 @@ pub(super) struct Limbs {
 }
 
 /// Longest row of samples of one limb.
-const MAX_SAMPLES: usize = 160;
+const MAX_SAMPLES: usize = 400;
 
 impl Limbs {
     /// The rig's limbs as `motion` tracked them, a sample about every `spacing` working pixels. Frames or limbs that
