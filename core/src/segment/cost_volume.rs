@@ -1,6 +1,7 @@
 //! The built-in segmenter.
 
 use super::layered::{Layers, SPACING};
+use super::painted::Painted;
 use super::params::{Method, SegmentParams};
 use super::refine::refine;
 use super::working::{Limbs, Working, for_batches};
@@ -23,11 +24,12 @@ impl Segmenter for CostVolumeSegmenter {
     fn segment(&self, clip: &Clip, rig: &Rig, motion: &Motion, stage: Stage<'_>) -> Result<Vec<Mask>> {
         let info = clip.info();
         rig.validate(Some(((info.width, info.height), info.frames)))?;
+        let painted = Painted::read(rig)?;
         let working = Working::read(clip, self.params.working_side, stage.part(0.0, 0.15))?;
         let small = match self.params.method {
             Method::Layered => {
                 let limbs = Limbs::new(rig, motion, working.scale, info.frames, SPACING);
-                let layers = Layers::new(&working, &limbs, &self.params, stage.part(0.15, 0.2))?;
+                let layers = Layers::new(&working, &limbs, &self.params, &painted, stage.part(0.15, 0.2))?;
                 layers.masks(stage.part(0.2, 0.85))?
             }
             Method::Paper => {
@@ -36,7 +38,16 @@ impl Segmenter for CostVolumeSegmenter {
             }
         };
         let mut masks = Vec::with_capacity(info.frames);
-        for_batches(clip, stage.part(0.85, 1.0), |f, picture| Ok(refine(&picture.rgb, &small[f])), &mut masks)?;
+        for_batches(
+            clip,
+            stage.part(0.85, 1.0),
+            |f, picture| {
+                let mut mask = refine(&picture.rgb, &small[f]);
+                painted.apply(f, &mut mask);
+                Ok(mask)
+            },
+            &mut masks,
+        )?;
         Ok(masks)
     }
 }

@@ -25,7 +25,7 @@ const TRUST: f32 = 120.0;
 /// A colour never seen on either side has this density (1 is even).
 const FLOOR: f32 = 0.03;
 /// Evidence is kept within this: the model is never sure.
-const LIMIT: f32 = 2.5;
+pub(super) const LIMIT: f32 = 2.5;
 
 /// What a pixel teaches.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -5,16 +5,20 @@
 //! the last one, and carries those masks from frame to frame in limb coordinates. Every pass ends with a minimum cut
 //! per frame over colour evidence, shape and contrast (Boykov and Jolly 2001; Rother, Kolmogorov and Blake 2004).
 
+use std::collections::BTreeMap;
+
 use rayon::prelude::*;
 
-use super::evidence::{Lesson, Lessons, Tiles, colour_evidence};
+use super::evidence::{LIMIT, Lesson, Lessons, Tiles, colour_evidence};
 use super::grid_cut::{GridCut, Neighbour};
 use super::limb_shape::{Cells, Profile, carried, occupancy};
+use super::painted::{Known, Painted};
 use super::params::SegmentParams;
 use super::stroke_field::{NOWHERE, Place, stroke_field};
 use super::working::{Limbs, Working};
 use crate::error::Result;
 use crate::job::Stage;
+use crate::raster::morphology::{parts, without_holes};
 use crate::raster::{Grid, Mask};
 
 /// Distance between samples along limbs, in working pixels.
@@ -30,6 +34,13 @@ const SURE: f32 = 3.0;
 
 /// The weight of a limb's shape where its track cannot be trusted at all.
 const DOUBTED: f32 = 0.25;
+
+/// More than all other costs of a pixel together.
+const CERTAIN: i32 = 1 << 20;
+/// Holes of at most this share of the mask are filled; larger ones are seen between limbs.
+const HOLE_SHARE: f32 = 0.002;
+/// Parts without a stroke that are this large, compared with the largest, are a limb whose track has been lost.
+const ISLAND_SHARE: f32 = 0.1;
 
 /// Who says what is creature.
 #[derive(Clone, Copy)]
@@ -49,6 +60,8 @@ pub(super) struct Layers<'a> {
     pub(super) params: &'a SegmentParams,
     cells: Cells,
     fields: Vec<Grid<Place>>,
+    /// What the user painted, at working size.
+    known: BTreeMap<usize, Grid<Known>>,
 }
 
 impl<'a> Layers<'a> {
@@ -57,13 +70,15 @@ impl<'a> Layers<'a> {
         working: &'a Working,
         limbs: &'a Limbs,
         params: &'a SegmentParams,
+        painted: &Painted,
         stage: Stage<'_>,
     ) -> Result<Self> {
         let reach = params.reach * limbs.extent();
         let fields = each_frame(working.frames.len(), stage, |frame| {
             Ok(stroke_field(limbs, frame, working.width, working.height))
         })?;
-        Ok(Self { working, limbs, params, cells: Cells::new(limbs.len(), reach), fields })
+        let known = painted.reduced(working.width, working.height);
+        Ok(Self { known, working, limbs, params, cells: Cells::new(limbs.len(), reach), fields })
     }
 
     /// The creature in every frame, at working size.
@@ -87,6 +102,11 @@ impl<'a> Layers<'a> {
     /// What a pixel teaches.
     fn lesson(&self, teacher: Teacher<'_>, frame: usize, index: usize) -> Lesson {
         let place = self.fields[frame].data()[index];
+        match self.known.get(&frame).map_or(Known::Nothing, |k| k.data()[index]) {
+            Known::Creature => return Lesson::Creature,
+            Known::Background => return Lesson::Background,
+            Known::Nothing => {}
+        }
         let at = (index % self.working.width, index / self.working.width);
         if let Teacher::Masks(masks) = teacher {
             return if masks[frame].get(at.0, at.1) { Lesson::Creature } else { Lesson::Background };
@@ -138,7 +158,15 @@ impl<'a> Layers<'a> {
             let tiles =
                 Tiles::learn(self.working, near.into_iter().flatten(), |f, index| self.lesson(teacher, f, index));
             let image = &self.working.frames[frame];
-            take(frame, colour_evidence(image, &self.fields[frame], self.cells, self.limbs, &colours, &tiles))
+            let mut evidence = colour_evidence(image, &self.fields[frame], self.cells, self.limbs, &colours, &tiles);
+            for (e, known) in evidence.iter_mut().zip(self.known.get(&frame).iter().flat_map(|k| k.data())) {
+                match known {
+                    Known::Creature => *e = LIMIT,
+                    Known::Background => *e = -LIMIT,
+                    Known::Nothing => {}
+                }
+            }
+            take(frame, evidence)
         })
     }
 
@@ -206,7 +234,6 @@ impl<'a> Layers<'a> {
             }
             _ => Vec::new(),
         };
-        let weights = vec![1.0; occupied.len()];
         let reach = self.cells.reach;
         self.with_evidence(teacher, stage.part(0.1, 1.0), |frame, evidence| {
             let by_radius = |cell: usize| {
@@ -218,7 +245,7 @@ impl<'a> Layers<'a> {
                 (0..self.limbs.len() * 2 * reach).map(by_radius).collect()
             } else {
                 let chance = |cell: usize| 1.0 / (1.0 + (-by_radius(cell)).exp());
-                let shares = carried(&occupied, &weights, frame, self.params.memory, 0.3, chance);
+                let shares = carried(&occupied, frame, self.params.memory, |f| self.known.contains_key(&f), chance);
                 shares
                     .iter()
                     .map(|&s| (s.clamp(1e-3, 0.999) / (1.0 - s.clamp(1e-3, 0.999))).ln().clamp(-SURE, SURE))
@@ -237,6 +264,8 @@ impl<'a> Layers<'a> {
         let (width, height) = (self.working.width, self.working.height);
         let image = &self.working.frames[frame];
         let field = &self.fields[frame];
+        let known = self.known.get(&frame);
+        let known = |x: usize, y: usize| known.map_or(Known::Nothing, |k| k.get(x, y));
         let near = |x: usize, y: usize| self.cells.of(field.get(x, y));
         let mut problem = GridCut::new(width, height);
         let contrast = Contrast::of(image, |x, y| near(x, y).is_some());
@@ -247,6 +276,11 @@ impl<'a> Layers<'a> {
                     let odds =
                         self.params.colour_weight * evidence[y * width + x] + self.params.shape_weight * prior[cell];
                     problem.add_terminal(x, y, (odds * UNIT) as i32);
+                }
+                match known(x, y) {
+                    Known::Creature => problem.add_terminal(x, y, CERTAIN),
+                    Known::Background => problem.add_terminal(x, y, -CERTAIN),
+                    Known::Nothing => {}
                 }
                 for (to, dx, dy) in EDGES {
                     let (nx, ny) = (x.wrapping_add_signed(dx), y + dy);
@@ -270,12 +304,27 @@ impl<'a> Layers<'a> {
             }
         }
         problem.solve();
-        Mask::from_fn(width, height, |x, y| near(x, y).is_some() && problem.on_source_side(x, y))
+        let mask = Mask::from_fn(width, height, |x, y| problem.on_source_side(x, y));
+        self.tidied(frame, &mask)
     }
 
-    /// Whether the strokes come near the image in this frame at all.
-    pub(super) fn sees_limbs(&self, frame: usize) -> bool {
-        self.fields[frame].data().iter().any(|p| p.sample != NOWHERE)
+    /// The mask without specks and pinholes, and without parts that no stroke passes through.
+    fn tidied(&self, frame: usize, mask: &Mask) -> Mask {
+        let mask = without_holes(mask, (mask.count() as f32 * HOLE_SHARE) as usize);
+        let parts = parts(&mask);
+        let mut kept: Vec<bool> = vec![false; parts.areas.len() + 1];
+        let largest = parts.areas.iter().max().copied().unwrap_or(0);
+        for (part, &area) in parts.areas.iter().enumerate() {
+            kept[part + 1] = area as f32 >= ISLAND_SHARE * largest as f32;
+        }
+        for (index, place) in self.fields[frame].data().iter().enumerate() {
+            let painted = self.known.get(&frame).is_some_and(|k| k.data()[index] == Known::Creature);
+            if painted || (place.sample != NOWHERE && place.distance() <= STROKE_WIDTH) {
+                kept[parts.labels.data()[index] as usize] = true;
+            }
+        }
+        kept[0] = false;
+        Mask::from_fn(mask.width(), mask.height(), |x, y| kept[parts.labels.get(x, y) as usize])
     }
 }
 

@@ -22,6 +22,12 @@ const BIAS: f32 = 0.08;
 const STIFFNESS: f32 = 0.6;
 /// The radius of a sample is also judged by its twin's evidence, with this weight.
 const TWIN_WEIGHT: f32 = 0.7;
+/// Weights of carried masks, where 1 is the frame next to the one looked at (nearly).
+const OWN_WEIGHT: f32 = 0.3;
+const FALLBACK_WEIGHT: f32 = 0.2;
+const PAINTED_WEIGHT: f32 = 3.0;
+/// How much longer painted masks are remembered.
+const PAINTED_MEMORY: f32 = 3.0;
 /// Places with fewer pixels than this over all frames say nothing.
 const UNKNOWN: u8 = u8::MAX;
 /// Full occupancy in the stored bytes.
@@ -173,33 +179,38 @@ pub(super) fn occupancy(mask: &Mask, field: &Grid<Place>, cells: Cells) -> Vec<u
         .collect()
 }
 
-/// The share of creature in every cell around `frame`: frames weigh `exp(-distance / memory)` times their `weights`,
-/// which for painted frames may be larger than 1. Cells without any frame take `fallback`.
+/// The share of creature in every cell around `frame`: frames weigh `exp(-distance / memory)`, the frame itself
+/// little, because its mask is what is to be found; `painted` frames weigh more and are remembered for longer. Cells
+/// that no frame knows take `fallback`.
 pub(super) fn carried(
     occupied: &[Vec<u8>],
-    weights: &[f32],
     frame: usize,
     memory: f32,
-    own: f32,
+    painted: impl Fn(usize) -> bool,
     fallback: impl Fn(usize) -> f32,
 ) -> Vec<f32> {
     let count = occupied.first().map_or(0, Vec::len);
     let (mut sums, mut totals) = (vec![0.0f32; count], vec![0.0f32; count]);
-    let span = (memory * 3.0).ceil() as usize;
+    let span = (memory * 3.0 * PAINTED_MEMORY).ceil() as usize;
     for other in frame.saturating_sub(span)..=(frame + span).min(occupied.len().saturating_sub(1)) {
-        let decay = if other == frame { own } else { (-(other.abs_diff(frame) as f32) / memory).exp() };
-        let w = decay * weights[other] / FULL;
+        let distance = other.abs_diff(frame) as f32;
+        let weight = match painted(other) {
+            true => PAINTED_WEIGHT * (-distance / (memory * PAINTED_MEMORY)).exp(),
+            false if other == frame => OWN_WEIGHT,
+            false if distance <= 3.0 * memory => (-distance / memory).exp(),
+            false => continue,
+        };
         for ((s, t), &o) in sums.iter_mut().zip(&mut totals).zip(&occupied[other]) {
             if o != UNKNOWN {
-                *s += w * f32::from(o);
-                *t += w * FULL;
+                *s += weight / FULL * f32::from(o);
+                *t += weight;
             }
         }
     }
     sums.iter()
         .zip(&totals)
         .enumerate()
-        // The fallback counts as a fifth of a frame, so that thin evidence leans on it.
-        .map(|(cell, (s, t))| (s + 0.2 * fallback(cell)) / (t + 0.2))
+        // Thin evidence leans on the fallback.
+        .map(|(cell, (s, t))| (s + FALLBACK_WEIGHT * fallback(cell)) / (t + FALLBACK_WEIGHT))
         .collect()
 }

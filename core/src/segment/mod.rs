@@ -7,6 +7,7 @@ mod grid_cut;
 mod layered;
 mod limb_shape;
 mod limbs;
+mod painted;
 mod paper;
 mod params;
 mod refine;
