@@ -1,6 +1,9 @@
 //! Motion: named tracks over time, whatever made them. Any motion can drive any shape.
 
+mod blend;
 mod motion_file;
+
+pub use blend::blend_tree;
 
 use glam::Vec2;
 

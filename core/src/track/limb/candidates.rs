@@ -30,6 +30,15 @@ impl CostMap {
     /// At most `count` local minima, the best first, any two at least `separation` pixels apart. A pixel on the
     /// rectangle's border counts when no neighbour inside is lower. Ties go to the upper, then the left pixel.
     pub fn minima(&self, count: usize, separation: f32) -> Vec<Candidate> {
+        self.lowest(count, separation, |x, y| self.refined(x, y))
+    }
+
+    /// [`Self::minima`] on whole pixels.
+    pub fn pixel_minima(&self, count: usize, separation: f32) -> Vec<Candidate> {
+        self.lowest(count, separation, |x, y| Candidate { at: self.place(x, y), cost: self.costs.get(x, y) })
+    }
+
+    fn lowest(&self, count: usize, separation: f32, at: impl Fn(usize, usize) -> Candidate) -> Vec<Candidate> {
         let (width, height) = (self.costs.width(), self.costs.height());
         let mut found: Vec<(f32, usize, usize)> = Vec::new();
         for y in 0..height {
@@ -46,7 +55,7 @@ impl CostMap {
             if kept.len() == count {
                 break;
             }
-            let candidate = self.refined(x, y);
+            let candidate = at(x, y);
             if kept.iter().all(|k| k.at.distance_squared(candidate.at) >= separation * separation) {
                 kept.push(candidate);
             }

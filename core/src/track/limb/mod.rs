@@ -7,6 +7,7 @@ mod footage;
 mod foreground;
 mod limb_keys;
 mod limb_width;
+mod paper;
 mod params;
 mod patch;
 mod pose_path;
@@ -46,7 +47,10 @@ impl Tracker for LimbTracker {
         stage.name("tracking")?;
         let spacing = self.params.spacing * LimbParams::scale(info.width as usize, info.height as usize);
         let skeleton = Skeleton::new(rig, spacing);
-        let trajectories = space_time::solve(clip, rig, &skeleton, &self.params, stage)?;
+        let trajectories = match self.params.method {
+            Method::SpaceTime => space_time::solve(clip, rig, &skeleton, &self.params, stage)?,
+            Method::Paper => paper::solve(clip, rig, &skeleton, &self.params, stage)?,
+        };
         let tracks = trajectories.into_iter().enumerate().map(|(l, trajectory)| Track {
             name: rig.limbs[l].label.clone(),
             kind: TrackKind::Stroke,

@@ -79,8 +79,9 @@ struct KeyPatch {
     distinctiveness: f32,
 }
 
+/// An image around a place, as much of it as a turned patch sees.
 #[derive(Clone, Debug)]
-struct Surroundings {
+pub(super) struct Surroundings {
     colours: Planes,
     weights: Grid<f32>,
     /// The vertex, in pixels of `colours`.
@@ -92,6 +93,11 @@ impl KeyTemplates {
     pub fn new(skeleton: &Skeleton, params: TemplateParams) -> Self {
         let vertices = vec![Vec::new(); skeleton.len()];
         Self { params, axes: axes(skeleton), vertices }
+    }
+
+    /// The largest squared Lab difference (of Lab / 100) that one pixel counts for; a cost of 1 is a mean of this.
+    pub fn truncation(&self) -> f32 {
+        self.params.truncation
     }
 
     /// Learns the vertices that a key frame draws. `places` has one entry a vertex, `None` where not drawn.
@@ -286,8 +292,8 @@ impl KeyTemplates {
 }
 
 impl Surroundings {
-    /// As much of the image as a patch of `side` pixels sees when it turns.
-    fn new(image: &Planes, at: Vec2, side: f32, weight: impl Fn(Vec2) -> f32) -> Self {
+    /// What patches of `side` pixels around `at` see; pixels outside the image weigh nothing.
+    pub(super) fn new(image: &Planes, at: Vec2, side: f32, weight: impl Fn(Vec2) -> f32) -> Self {
         let reach = (0.75 * side).ceil() as isize + 2;
         let origin = (at.x.floor() as isize - reach, at.y.floor() as isize - reach);
         let size = 2 * reach as usize + 1;
@@ -302,7 +308,8 @@ impl Surroundings {
         }
     }
 
-    fn patch(&self, side: usize, turn: Vec2, sigma: f32) -> Patch {
+    /// The patch around the place with what points along x turned to `turn`; `sigma` in pixels, infinite for none.
+    pub(super) fn patch(&self, side: usize, turn: Vec2, sigma: f32) -> Patch {
         let unturn = vec2(turn.x, -turn.y);
         Patch::from_fn(side, |offset| {
             let near = (-offset.length_squared() / (2.0 * sigma * sigma)).exp();
