@@ -75,12 +75,12 @@ fn bone_count(limb: &LimbShape, max_bones: usize) -> usize {
 }
 
 /// The sample at which bone `k` of `count` stands.
-pub(super) fn bone_sample(limb: &LimbShape, k: usize, count: usize) -> f32 {
+fn bone_sample(limb: &LimbShape, k: usize, count: usize) -> f32 {
     limb.axis.first as f32 + (limb.axis.last - limb.axis.first) as f32 * k as f32 / (count - 1).max(1) as f32
 }
 
 /// Where along the limb's chain of `count` bones a sample lies: two bones and the second one's weight.
-pub(super) fn bone_weights(limb: &LimbShape, sample: f32, count: usize) -> (usize, usize, f32) {
+fn bone_weights(limb: &LimbShape, sample: f32, count: usize) -> (usize, usize, f32) {
     let t = (limb.axis.share(sample) * (count - 1) as f32).clamp(0.0, (count - 1) as f32);
     let k = (t.floor() as usize).min(count.saturating_sub(2));
     (k, (k + 1).min(count - 1), t - k as f32)
@@ -95,11 +95,23 @@ fn direction(limb: &LimbShape, frame: usize, sample: f32) -> Quat {
 }
 
 /// The rotation of a bone that points along `along`.
-pub(super) fn frame_along(along: Vec3) -> Quat {
+fn frame_along(along: Vec3) -> Quat {
     let Some(x) = along.try_normalize() else { return Quat::IDENTITY };
     let flat = Vec3::new(-x.y, x.x, 0.0);
     let Some(y) = flat.try_normalize() else {
         return Quat::from_rotation_y(-x.z.signum() * std::f32::consts::FRAC_PI_2);
     };
     Quat::from_mat3(&glam::Mat3::from_cols(x, y, x.cross(y))).normalize()
+}
+
+/// Bones and weights of vertices at these samples of a limb with this chain of bones.
+pub(super) fn bind(limb: &LimbShape, samples: &[f32], chain: &[usize]) -> (Vec<[u16; 4]>, Vec<[f32; 4]>) {
+    samples
+        .iter()
+        .map(|&s| {
+            let (a, b, share) = bone_weights(limb, s, chain.len());
+            let bone = |k: usize, weight: f32| if weight > 0.0 { chain[k] as u16 } else { 0 };
+            ([bone(a, 1.0 - share), bone(b, share), 0, 0], [1.0 - share, share, 0.0, 0.0])
+        })
+        .unzip()
 }

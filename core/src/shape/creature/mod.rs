@@ -3,14 +3,17 @@
 
 mod axis;
 mod bones;
+mod fringe;
 mod limb;
 mod params;
 mod path;
 mod radius;
+mod refine;
 mod texture;
 mod tube;
 
 use image::RgbImage;
+use rayon::prelude::*;
 
 pub use params::{CreatureParams, CrossSection, LegSpread};
 
@@ -22,7 +25,7 @@ use crate::error::{Error, Result};
 use crate::job::Stage;
 use crate::motion::Motion;
 use crate::raster::{Grid, Mask};
-use crate::rig::{Rig, Skeleton};
+use crate::rig::{Rig, Side, Skeleton};
 use crate::segment::{label_limbs_by_depth, limb_sides};
 
 /// Shortest side of the paper's working resolution, which its pixel constants are for.
@@ -65,17 +68,27 @@ pub fn reconstruct(
     let frames = motion.frames;
     let rest = rig.keyframes.iter().find(|k| !k.strokes.is_empty()).map_or(0, |k| k.frame).min(frames - 1);
     let skeleton = Skeleton::new(rig, 10.0);
-    let axes = axes(rig, motion, &skeleton, params)?;
+    let mut axes = axes(rig, motion, &skeleton, params)?;
     let twins: Vec<Option<usize>> = (0..rig.limbs.len()).map(|l| rig.twin(l)).collect();
-    let labels = label_all(rig, motion, masks, stage.part(0.0, 0.4))?;
-    let scale = (size.0 as f32).min(size.1 as f32) / PAPER_SIZE;
-    let votes = radius::vote(&axes, &labels, params.min_vote * scale, stage.part(0.4, 0.5))?;
+    let labels = label_all(rig, motion, masks, stage.part(0.0, 0.3))?;
+    let min_vote = params.min_vote * paper_scale(size);
+    let mut votes = radius::vote(&axes, &labels, min_vote, stage.part(0.3, 0.35))?;
     let mut radii = radius::fit(&axes, &votes, &twins, params);
+    for round in 0..params.settling_rounds {
+        let fraction = 0.35 + 0.2 * f64::from(round) / f64::from(params.settling_rounds);
+        for (l, axis) in axes.iter_mut().enumerate() {
+            stage.at(fraction)?;
+            let own: Vec<&radius::Votes> = votes.iter().map(|f| &f[l]).collect();
+            refine::settle(axis, l, &own, &radii[l], skeleton.limbs[l].terminal, &labels);
+        }
+        votes = radius::vote(&axes, &labels, min_vote, stage.part(fraction, fraction))?;
+        radii = radius::fit(&axes, &votes, &twins, params);
+    }
     for (l, r) in radii.iter_mut().enumerate() {
         let keys: Vec<usize> = rig.keys_of(l).map(|(f, _)| f).collect();
         radius::hold_inside(r, &axes[l], &keys, masks);
     }
-    stage.at(0.55)?;
+    stage.at(0.58)?;
     let mut limbs: Vec<LimbShape> = axes
         .into_iter()
         .zip(radii)
@@ -87,7 +100,7 @@ pub fn reconstruct(
     let bones = bones::lay(&limbs, &order, frames, params.max_bones);
     stage.name("texturing")?;
     let picture = clip.frame(rest)?;
-    let parts = build_parts(&limbs, &bones, rest, &picture.rgb, &masks[rest], params, stage.part(0.6, 1.0))?;
+    let parts = build_parts(&limbs, &bones, rest, &picture.rgb, masks, params, stage.part(0.6, 1.0))?;
     let model = RiggedModel {
         size,
         fps: motion.fps,
@@ -144,7 +157,6 @@ fn axes(rig: &Rig, motion: &Motion, skeleton: &Skeleton, params: &CreatureParams
 
 /// Which limb every pixel of every frame belongs to.
 fn label_all(rig: &Rig, motion: &Motion, masks: &[Mask], stage: Stage<'_>) -> Result<Vec<Grid<u16>>> {
-    use rayon::prelude::*;
     let sides = limb_sides(rig);
     let done = std::sync::atomic::AtomicUsize::new(0);
     (0..masks.len())
@@ -183,7 +195,11 @@ fn shape_limb(
     let ratio = |i: usize| {
         let (left, right) = (radii.left[i].max(1e-3), radii.right[i].max(1e-3));
         match (wanted, params.cross_section) {
-            (Some(r), _) | (None, CrossSection::Ratio(r)) => r.clamp(0.05, 20.0),
+            (Some(r), _) => r.clamp(0.05, 20.0),
+            (None, CrossSection::Ratio { middle, paired }) => {
+                let is_paired = matches!(rig.limbs[l].side, Some(Side::Near | Side::Far));
+                if is_paired { paired } else { middle }.clamp(0.05, 20.0)
+            }
             (None, CrossSection::Paper) => 0.5 + 0.5 * left.min(right) / left.max(right),
         }
     };
@@ -246,21 +262,28 @@ fn place_in_depth(limbs: &mut [LimbShape], order: &[usize], rig: &Rig, params: &
     debug_assert_eq!(limbs.len(), rig.limbs.len());
 }
 
+/// Meshes, weights and textures of all limbs in the rest frame.
 fn build_parts(
     limbs: &[LimbShape],
     bones: &bones::Bones,
     rest: usize,
     image: &RgbImage,
-    mask: &Mask,
+    masks: &[Mask],
     params: &CreatureParams,
     stage: Stage<'_>,
 ) -> Result<Vec<SkinnedPart>> {
-    use rayon::prelude::*;
     let tubes: Vec<tube::Tube> = limbs.par_iter().map(|l| tube::tube(l, rest, params.around)).collect();
-    stage.at(0.3)?;
-    let meshes: Vec<&crate::geometry::TriMesh> = tubes.iter().map(|t| &t.mesh).collect();
-    let front = texture::visibility(&meshes, image.dimensions());
-    let view = texture::View { image, mask, front: &front };
+    stage.at(0.2)?;
+    let mut front = texture::visibility(tubes.iter().map(|t| &t.mesh), image.dimensions());
+    let step = params.patch_step.max(0.5) * paper_scale(image.dimensions());
+    let patches = if params.fill_silhouette {
+        fringe::patches(limbs, rest, masks, &front, step)
+    } else {
+        vec![None; limbs.len()]
+    };
+    stage.at(0.5)?;
+    texture::add_visible(&mut front, patches.iter().map(|p| p.as_ref().map(|p| &p.mesh)));
+    let view = texture::View { image, mask: &masks[rest], front: &front };
     let seen: Vec<texture::Unrolled> = limbs
         .par_iter()
         .enumerate()
@@ -268,35 +291,37 @@ fn build_parts(
             texture::project(limb, l as u16, rest, &view, texture::unrolled_size(limb, params.max_texture))
         })
         .collect();
-    stage.at(0.6)?;
-    let default = texture::mean_color(image, mask);
-    let parts = limbs.par_iter().zip(&tubes).enumerate().map(|(l, (limb, tube))| {
-        let mut unrolled = texture::Unrolled { color: seen[l].color.clone(), known: seen[l].known.clone() };
+    stage.at(0.7)?;
+    let default = texture::mean_color(image, &masks[rest]);
+    let parts = (0..limbs.len()).into_par_iter().map(|l| {
+        let limb = &limbs[l];
+        let mut unrolled = seen[l].clone();
         if let Some(twin) = limb.twin {
             texture::borrow(&mut unrolled, &seen[twin]);
         }
         texture::fill(&mut unrolled, default);
-        let (w, h) = (unrolled.known.width() as u32, unrolled.known.height() as u32);
-        let gutter = texture::GUTTER;
-        let mut atlas = RgbImage::new(w + 2 * gutter, h + 2 * gutter);
-        texture::paste_unrolled(&mut atlas, &unrolled, gutter, gutter);
-        let mut mesh = tube.mesh.clone();
-        for uv in &mut mesh.uvs {
-            uv.x = (gutter as f32 + uv.x * w as f32) / atlas.width() as f32;
-            uv.y = (gutter as f32 + uv.y * h as f32) / atlas.height() as f32;
+        let patch = patches[l].as_ref().map(|p| (p, texture::crop(p.bounds, l as u16, &view, default)));
+        let (atlas, cylinder, sheet) = texture::atlas(&unrolled, patch.as_ref().map(|(_, c)| c));
+        let mut mesh = tubes[l].mesh.clone();
+        mesh.uvs.iter_mut().for_each(|uv| *uv = cylinder.place(*uv));
+        let mut samples = tubes[l].samples.clone();
+        if let (Some((patch, crop)), Some(sheet)) = (&patch, sheet) {
+            let base = mesh.positions.len() as u32;
+            mesh.positions.extend(&patch.mesh.positions);
+            mesh.normals.extend(&patch.mesh.normals);
+            mesh.uvs.extend(patch.mesh.uvs.iter().map(|p| sheet.place(crop.share(*p))));
+            mesh.triangles.extend(patch.mesh.triangles.iter().map(|t| t.map(|i| i + base)));
+            samples.extend(&patch.samples);
         }
-        let chain = &bones.of_limb[l];
-        let bound = tube.samples.iter().map(|&s| bones::bone_weights(limb, s, chain.len()));
-        let (mut joints, mut weights) = (Vec::new(), Vec::new());
-        for (a, b, share) in bound {
-            let pair = [(chain[a], 1.0 - share), (chain[b], share)];
-            joints.push([0, 1].map(|i| if pair[i].1 > 0.0 { pair[i].0 as u16 } else { 0 }));
-            weights.push([pair[0].1, pair[1].1, 0.0, 0.0]);
-        }
-        let joints = joints.into_iter().map(|[a, b]: [u16; 2]| [a, b, 0, 0]).collect();
+        let (joints, weights) = bones::bind(limb, &samples, &bones.of_limb[l]);
         SkinnedPart { name: limb.label.clone(), mesh, bones: joints, weights, texture: atlas }
     });
     let parts = parts.collect();
     stage.at(1.0)?;
     Ok(parts)
+}
+
+/// How much larger this clip's pixels are than those of the paper's working size.
+fn paper_scale((width, height): (u32, u32)) -> f32 {
+    width.min(height) as f32 / PAPER_SIZE
 }

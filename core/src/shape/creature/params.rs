@@ -4,7 +4,12 @@
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum CrossSection {
     /// Depth over width.
-    Ratio(f32),
+    Ratio {
+        /// Of body, neck, head, tail.
+        middle: f32,
+        /// Of legs and other limbs of a pair.
+        paired: f32,
+    },
     /// The paper's ellipse: the mean of the mean radius and of the mean radius shrunk by the ratio of the two sides'
     /// radii (Reinert 2016, figure 8 d). It flattens limbs whose stroke runs along their border.
     Paper,
@@ -49,6 +54,12 @@ pub struct CreatureParams {
     pub leg_spread: LegSpread,
     /// A limb shorter than this share of its longest projection points out of the image plane. Paper: 0.5.
     pub foreshortened: f32,
+    /// How often the tracked axes are moved into the middle of their limbs' pixels. Paper: 0.
+    pub settling_rounds: u32,
+    /// Whether to cover what tubes miss of the rest frame's mask (ears, hooves, a rump) by inflated patches.
+    pub fill_silhouette: bool,
+    /// Size of the patches' triangles, in pixels of a 512-pixel clip.
+    pub patch_step: f32,
     /// Vertices around a limb.
     pub around: usize,
     /// Largest number of bones of a limb.
@@ -62,14 +73,17 @@ impl Default for CreatureParams {
         Self {
             extension: 0.1,
             min_vote: 3.0,
-            percentile: 0.25,
+            percentile: 0.5,
             neighbours: 2,
             max_rejected: 0.9,
-            smoothing: 0.1,
-            cross_section: CrossSection::Ratio(0.85),
+            smoothing: 0.04,
+            cross_section: CrossSection::Ratio { middle: 0.95, paired: 0.8 },
             depths: Vec::new(),
-            leg_spread: LegSpread::BodyWidth { body: 0.55, leg: 1.3 },
+            leg_spread: LegSpread::BodyWidth { body: 0.6, leg: 1.3 },
             foreshortened: 0.5,
+            settling_rounds: 2,
+            fill_silhouette: true,
+            patch_step: 1.5,
             around: 20,
             max_bones: 8,
             max_texture: 1024,

@@ -16,9 +16,10 @@ use crate::raster::{Grid, Mask, Rasterizer, Surface, Wrap, clip_view, push_pull}
 /// Surfaces whose normal is less toward the viewer than this are seen at a grazing angle (0 is edge on).
 const GRAZING: f32 = 0.25;
 /// Texels kept free around a block, so that bilinear reads at its border see its own colours.
-pub(super) const GUTTER: u32 = 2;
+const GUTTER: u32 = 2;
 
 /// A limb's unrolled surface: x around, y along.
+#[derive(Clone)]
 pub(super) struct Unrolled {
     pub color: Vec<[f32; 3]>,
     pub known: Grid<bool>,
@@ -33,13 +34,20 @@ pub(super) struct View<'a> {
 }
 
 /// Draws all parts' identities and depths as the clip's camera sees them.
-pub(super) fn visibility(meshes: &[&TriMesh], size: (u32, u32)) -> Rasterizer {
+pub(super) fn visibility<'a>(meshes: impl Iterator<Item = &'a TriMesh>, size: (u32, u32)) -> Rasterizer {
     let mut picture = Rasterizer::new(size.0, size.1);
-    let view = clip_view(size.1);
-    for (id, mesh) in meshes.iter().enumerate() {
-        picture.draw(mesh, &view, Surface::Bare, id as u16);
-    }
+    add_visible(&mut picture, meshes.map(Some));
     picture
+}
+
+/// Draws more meshes, one for each part that has one.
+pub(super) fn add_visible<'a>(picture: &mut Rasterizer, meshes: impl Iterator<Item = Option<&'a TriMesh>>) {
+    let view = clip_view(picture.depth.height() as u32);
+    for (id, mesh) in meshes.enumerate() {
+        if let Some(mesh) = mesh {
+            picture.draw(mesh, &view, Surface::Bare, id as u16);
+        }
+    }
 }
 
 /// The size of a limb's unrolled texture: one texel a clip pixel, within `max`.
@@ -89,10 +97,15 @@ fn ring_normal(across: Vec3, toward: Vec3, angle: f32) -> Vec3 {
     (across / (a * a) * angle.cos() + toward / (b * b) * angle.sin()).normalize_or(Vec3::Z)
 }
 
+/// Whether the pixel and those around it are in the mask: colours on the outline are mixed with the background's.
+fn well_inside(mask: &Mask, x: isize, y: isize) -> bool {
+    [(0, 0), (2, 0), (-2, 0), (0, 2), (0, -2)].iter().all(|(dx, dy)| mask.at(x + dx, y + dy))
+}
+
 /// Whether the camera sees this place of the part.
 fn seen(view: &View<'_>, part: u16, place: Vec3, limb: &LimbShape) -> bool {
     let (x, y) = (place.x.floor() as isize, (limb.clip_height - place.y).floor() as isize);
-    if !view.mask.at(x, y) {
+    if !well_inside(view.mask, x, y) {
         return false;
     }
     let (x, y) = (x as usize, y as usize);
@@ -145,19 +158,85 @@ fn bilinear(image: &RgbImage, at: Vec2) -> [f32; 3] {
     texel(x0, y0).lerp(texel(x1, y0), fx).lerp(texel(x0, y1).lerp(texel(x1, y1), fx), fy).to_array()
 }
 
-/// Copies an unrolled cylinder into `atlas` with its corner at `(left, top)`, and its own borders around it: the other
-/// side's columns left and right, the last rows repeated above and below.
-pub(super) fn paste_unrolled(atlas: &mut RgbImage, unrolled: &Unrolled, left: u32, top: u32) {
-    let (w, h) = (unrolled.known.width() as i64, unrolled.known.height() as i64);
-    let gutter = i64::from(GUTTER);
-    for y in -gutter..h + gutter {
-        for x in -gutter..w + gutter {
-            let (sx, sy) = (x.rem_euclid(w) as usize, y.clamp(0, h - 1) as usize);
-            let color = unrolled.color[sy * w as usize + sx].map(|v| v.round().clamp(0.0, 255.0) as u8);
-            let (ax, ay) = (i64::from(left) + x, i64::from(top) + y);
-            if ax >= 0 && ay >= 0 && ax < i64::from(atlas.width()) && ay < i64::from(atlas.height()) {
-                atlas.put_pixel(ax as u32, ay as u32, Rgb(color));
+/// A piece of the clip's frame for a patch.
+#[derive(Clone)]
+pub(super) struct Crop {
+    left: f32,
+    top: f32,
+    color: Vec<[f32; 3]>,
+    width: usize,
+    height: usize,
+}
+
+impl Crop {
+    /// A clip pixel as a share of the crop.
+    pub(super) fn share(&self, p: Vec2) -> Vec2 {
+        (p - Vec2::new(self.left, self.top)) / Vec2::new(self.width as f32, self.height as f32)
+    }
+}
+
+/// The frame's pixels around a patch of `part`; those of other parts and of the background are filled over.
+pub(super) fn crop([left, top, right, bottom]: [f32; 4], part: u16, view: &View<'_>, default: [f32; 3]) -> Crop {
+    let (left, top) = (left.floor(), top.floor());
+    let (width, height) = ((right - left).ceil().max(1.0) as usize, (bottom - top).ceil().max(1.0) as usize);
+    let mut known = Grid::new(width, height, false);
+    let mut color = vec![[0.0; 3]; width * height];
+    for y in 0..height {
+        for x in 0..width {
+            let (ix, iy) = (left as isize + x as isize, top as isize + y as isize);
+            if well_inside(view.mask, ix, iy) && view.front.id.get(ix as usize, iy as usize) == part {
+                color[y * width + x] = view.image.get_pixel(ix as u32, iy as u32).0.map(f32::from);
+                known.set(x, y, true);
             }
+        }
+    }
+    push_pull(&mut color, &known, Wrap::default(), default);
+    Crop { left, top, color, width, height }
+}
+
+/// Where a block lies in an atlas, as shares of the atlas.
+#[derive(Clone, Copy)]
+pub(super) struct Block {
+    corner: Vec2,
+    size: Vec2,
+}
+
+impl Block {
+    /// A share of the block as a share of the atlas.
+    pub(super) fn place(&self, uv: Vec2) -> Vec2 {
+        self.corner + uv * self.size
+    }
+}
+
+/// One texture with the unrolled cylinder above and the patch's crop below, and where they lie in it.
+pub(super) fn atlas(unrolled: &Unrolled, crop: Option<&Crop>) -> (RgbImage, Block, Option<Block>) {
+    let gutter = GUTTER as usize;
+    let (w, h) = (unrolled.known.width(), unrolled.known.height());
+    let (cw, ch) = crop.map_or((0, 0), |c| (c.width + 2 * gutter, c.height + 2 * gutter));
+    let mut image = RgbImage::new((w + 2 * gutter).max(cw) as u32, (h + 2 * gutter + ch) as u32);
+    paste(&mut image, &unrolled.color, (w, h), (gutter, gutter), true);
+    let size = Vec2::new(image.width() as f32, image.height() as f32);
+    let block = |x: usize, y: usize, w: usize, h: usize| Block {
+        corner: Vec2::new(x as f32, y as f32) / size,
+        size: Vec2::new(w as f32, h as f32) / size,
+    };
+    let below = crop.map(|c| {
+        let top = h + 3 * gutter;
+        paste(&mut image, &c.color, (c.width, c.height), (gutter, top), false);
+        block(gutter, top, c.width, c.height)
+    });
+    (image, block(gutter, gutter, w, h), below)
+}
+
+/// Copies a block and, around it, a gutter: its border repeated, or its other side where it wraps.
+fn paste(image: &mut RgbImage, color: &[[f32; 3]], (w, h): (usize, usize), (left, top): (usize, usize), wrap: bool) {
+    let gutter = GUTTER as isize;
+    for y in -gutter..h as isize + gutter {
+        for x in -gutter..w as isize + gutter {
+            let sx = if wrap { x.rem_euclid(w as isize) } else { x.clamp(0, w as isize - 1) } as usize;
+            let sy = y.clamp(0, h as isize - 1) as usize;
+            let rgb = color[sy * w + sx].map(|v| v.round().clamp(0.0, 255.0) as u8);
+            image.put_pixel((left as isize + x) as u32, (top as isize + y) as u32, Rgb(rgb));
         }
     }
 }
