@@ -12,8 +12,8 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use marey::clip::Clip;
-use marey::export::FolderOptions;
 use marey::export::report::Report;
+use marey::export::{FolderOptions, write_mask_folder};
 use marey::job::Progress;
 use marey::motion::Motion;
 use marey::pipeline::{self, PipelineOptions};
@@ -85,13 +85,15 @@ pub struct mry_segment_desc {
     pub tracker: mry_str,
     /// The segmenter: "layered", "paper" (Reinert 2016, section 3.6); empty for the best.
     pub segmenter: mry_str,
+    /// Where to write the masks, see mry_masks_write_folder; empty for nowhere.
+    pub folder: mry_str,
 }
 
 // SAFETY: repr(C), starts with its u32 size; integers, and strings that the host vouches for.
 unsafe impl Versioned for mry_segment_desc {
-    const FIRST_SIZE: usize = 64;
+    const FIRST_SIZE: usize = 80;
 }
-const _: () = assert!(size_of::<mry_segment_desc>() == 64);
+const _: () = assert!(size_of::<mry_segment_desc>() == 80);
 
 /// What to make a creature of. Start from MRY_CREATURE_DESC_INIT; clip and rig must be set.
 #[repr(C)]
@@ -140,6 +142,10 @@ unsafe impl Versioned for mry_job_state {
     const FIRST_SIZE: usize = 72;
 }
 const _: () = assert!(size_of::<mry_job_state>() == 72);
+
+/// Where the stages of a segment job end, as shares of its time.
+const TRACKED: f64 = 0.6;
+const SEGMENTED: f64 = 0.95;
 
 /// A part of a job's result.
 enum Part<T> {
@@ -356,7 +362,7 @@ impl Call<'_> {
         // SAFETY: as above.
         let (tracker, segmenter) = unsafe { (tracker(desc.tracker)?, segmenter(desc.segmenter)?) };
         // SAFETY: as above.
-        let settings = unsafe { settings(desc.tracker, desc.segmenter)? };
+        let (settings, folder) = unsafe { (settings(desc.tracker, desc.segmenter)?, folder(desc.folder)?) };
         let (clip, rig) = self.clip_and_rig(desc.clip, desc.rig)?;
         let given = if desc.motion.v == 0 { None } else { Some(self.motion(desc.motion)?) };
         if let Some(motion) = &given {
@@ -365,17 +371,23 @@ impl Call<'_> {
         Ok(Box::new(move |progress| {
             let stage = progress.whole();
             let began = Instant::now();
-            let (motion, stage) = match given {
-                Some(motion) => (motion, stage),
-                None => (Arc::new(tracker.track(&clip, &rig, stage.part(0.0, 0.6))?), stage.part(0.6, 1.0)),
+            let motion = match given {
+                Some(motion) => motion,
+                None => Arc::new(tracker.track(&clip, &rig, stage.part(0.0, TRACKED))?),
             };
             let tracked = began.elapsed();
-            stage.name("segmenting")?;
-            let masks = segmenter.segment(&clip, &rig, &motion, stage)?;
+            let segmenting = stage.part(TRACKED, SEGMENTED);
+            segmenting.name("segmenting")?;
+            let masks = segmenter.segment(&clip, &rig, &motion, segmenting)?;
             let mut report = Report::new(clip.info(), &rig, &motion);
             report.settings = settings;
             report.stage("track", tracked.as_secs_f64());
             report.stage("segment", (began.elapsed() - tracked).as_secs_f64());
+            if let Some(folder) = &folder {
+                let writing = stage.part(SEGMENTED, 1.0);
+                writing.name("writing")?;
+                write_mask_folder(folder.as_ref(), &masks, &report, writing)?;
+            }
             let masks = Arc::new(MaskSet { masks, report });
             Ok(Product { motion: Part::Made(motion), masks: Part::Made(masks), creature: Part::None })
         }))
@@ -387,10 +399,7 @@ impl Call<'_> {
         // SAFETY: as above.
         let (tracker, segmenter) = unsafe { (tracker(desc.tracker)?, segmenter(desc.segmenter)?) };
         // SAFETY: as above.
-        let settings = unsafe { settings(desc.tracker, desc.segmenter)? };
-        // SAFETY: as above.
-        let folder =
-            if desc.folder.len == 0 { None } else { Some(unsafe { desc.folder.name("desc.folder")? }.to_owned()) };
+        let (settings, folder) = unsafe { (settings(desc.tracker, desc.segmenter)?, folder(desc.folder)?) };
         let files = folder_options(desc.write_obj, 0.0)?;
         let (clip, rig) = self.clip_and_rig(desc.clip, desc.rig)?;
         Ok(Box::new(move |progress| {
@@ -483,6 +492,18 @@ unsafe fn settings(tracker: mry_str, segmenter: mry_str) -> Outcome<serde_json::
     let (tracker, segmenter) = unsafe { (tracker.text("desc.tracker")?, segmenter.text("desc.segmenter")?) };
     let or = |id: &str, best: &str| if id.is_empty() { best.to_owned() } else { id.to_owned() };
     Ok(serde_json::json!({ "tracker": or(tracker, "space-time"), "segmenter": or(segmenter, "layered") }))
+}
+
+/// The folder to write into, where one is named.
+///
+/// # Safety
+/// The string is valid, as the header asks.
+unsafe fn folder(folder: mry_str) -> Outcome<Option<String>> {
+    if folder.len == 0 {
+        return Ok(None);
+    }
+    // SAFETY: as this function's own.
+    unsafe { folder.name("desc.folder").map(|name| Some(name.to_owned())) }
 }
 
 /// Which files a creature's folder has. A scale of 0 is the default, 1.

@@ -4,8 +4,8 @@
 //! the answer out. `include/marey/marey.h` is generated from it by `cargo xtask header`; the first paragraph of each
 //! file below is the introduction of that file's group in the header.
 //!
-//! Unsafe code lives in three places: [`border`] reads and writes the caller's memory, [`guard`] states the contract
-//! once for all functions, and [`context`] owns the one pointer that C holds.
+//! Unsafe code lives in three places: `border` reads and writes the caller's memory, `guard` states the contract
+//! once for all functions, and `context` owns the one pointer that C holds.
 #![allow(non_camel_case_types, reason = "types and constants carry their C names, so that the header is this source")]
 #![allow(clippy::missing_safety_doc, reason = "the contract is the same for all functions; guard.rs states it")]
 

@@ -5,13 +5,13 @@
 use std::ffi::c_char;
 use std::sync::Arc;
 
-use marey::export::report::corrections;
+use marey::export::report::{Report, corrections};
 use marey::export::write_aside;
 use marey::motion::{Motion, TrackKind};
 use marey::rig::Rig;
 
 use crate::border::{self, Buffer, Out, OutStruct, Versioned};
-use crate::clip::frame_index;
+use crate::clip::{frame_index, mry_clip};
 use crate::context::mry_context;
 use crate::error::{Failure, Outcome, mry_error};
 use crate::guard::{Call, ending, entry};
@@ -474,6 +474,39 @@ pub unsafe extern "C" fn mry_motion_get_correction(
             confidence: correction.confidence,
             reserved0: 0,
         });
+        Ok(Code::MRY_OK)
+    })
+}
+
+/// What there is to say about tracking, as the text of a report.json: counts, warnings, how far each limb is to be
+/// trusted, corrections.
+///
+/// @param context   The context.
+/// @param motion    The motion.
+/// @param clip      The clip it came from.
+/// @param rig       The rig it came from.
+/// @param text      Where the text goes, UTF-8 with a NUL; NULL with capacity 0 to ask for the size.
+/// @param capacity  Bytes at text.
+/// @param out_size  Bytes needed, with the NUL.
+/// @param err       Detail of a failure, or NULL.
+/// @return MRY_OK; MRY_E_BUFFER_TOO_SMALL, MRY_E_BUSY.
+/// Thread: [any-thread]. Since 0.1.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mry_motion_get_report(
+    context: *mut mry_context,
+    motion: mry_motion,
+    clip: mry_clip,
+    rig: mry_rig,
+    text: *mut c_char,
+    capacity: usize,
+    out_size: *mut usize,
+    err: *mut mry_error,
+) -> mry_status {
+    entry!(context, err, |call| {
+        let (text, out) = (Buffer::new(text, capacity, "text")?, Out::new(out_size, "out_size")?);
+        let (motion, clip) = (call.motion(motion)?, call.clip(clip, "clip")?);
+        let report = call.rig(rig, |rig| Ok(Report::new(clip.info(), rig, &motion)))?;
+        text.fill_text(&report.to_json(), &out)?;
         Ok(Code::MRY_OK)
     })
 }

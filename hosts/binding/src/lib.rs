@@ -1,1 +1,42 @@
-//! (being built)
+//! Safe Rust over the C ABI of Marey, for the hosts of this repository.
+//!
+//! The hosts use nothing else of the engine: what they can do, a C program can do. Objects destroy themselves; they
+//! keep their context alive. Everything may be used from any thread. Unsafe code is in `sys` alone.
+//!
+//! ```no_run
+//! use marey_binding::{Context, CreatureOptions};
+//!
+//! # fn main() -> marey_binding::Result<()> {
+//! let context = Context::new(0)?;
+//! let clip = context.open_clip("horse.mp4")?;
+//! let rig = context.read_rig("strokes.json")?;
+//! let job = context.start_creature(&clip, &rig, &CreatureOptions::default())?;
+//! job.wait(None)?;
+//! job.take_creature()?.write_glb("horse.glb", 0.0)?;
+//! # Ok(())
+//! # }
+//! ```
+
+mod clip;
+mod context;
+mod creature;
+mod error;
+mod job;
+mod masks;
+mod motion;
+mod rig;
+mod sys;
+
+pub use clip::{Clip, ClipInfo};
+pub use context::Context;
+pub use creature::{Creature, CreatureInfo};
+pub use error::{Error, Result, Status};
+pub use job::{CreatureOptions, Job, JobState, SegmentOptions, TrackOptions};
+pub use masks::Masks;
+pub use motion::{Correction, Motion, MotionInfo, TrackFrame};
+pub use rig::{Facing, Rig, Side};
+
+/// The library's version, such as "0.1.0".
+pub fn version() -> &'static str {
+    sys::version()
+}

@@ -1,0 +1,72 @@
+//! Creatures: a textured mesh on animated bones.
+
+use marey_ffi::mry_creature;
+
+use crate::{Context, Masks, Motion, Result, sys};
+
+/// A reconstructed creature.
+#[derive(Debug)]
+pub struct Creature {
+    pub(crate) id: mry_creature,
+    pub(crate) context: Context,
+}
+
+/// How much a creature is made of.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CreatureInfo {
+    /// Bones.
+    pub bones: u32,
+    /// Parts, one a limb.
+    pub parts: u32,
+    /// Frames of the animation.
+    pub frames: u64,
+    /// Vertices of all parts.
+    pub vertices: u64,
+    /// Triangles of all parts.
+    pub triangles: u64,
+}
+
+impl Creature {
+    /// How much it is made of.
+    pub fn info(&self) -> Result<CreatureInfo> {
+        let info = sys::creature_info(&self.context.0, self.id)?;
+        Ok(CreatureInfo {
+            bones: info.bone_count,
+            parts: info.part_count,
+            frames: info.frame_count,
+            vertices: info.vertex_count,
+            triangles: info.triangle_count,
+        })
+    }
+
+    /// The motion that drives it.
+    pub fn motion(&self) -> Result<Motion> {
+        Ok(Motion { id: sys::creature_motion(&self.context.0, self.id)?, context: self.context.clone() })
+    }
+
+    /// The masks it was built from.
+    pub fn masks(&self) -> Result<Masks> {
+        Ok(Masks { id: sys::creature_masks(&self.context.0, self.id)?, context: self.context.clone() })
+    }
+
+    /// The text of the report of the job that made it.
+    pub fn report(&self) -> Result<String> {
+        sys::creature_report(&self.context.0, self.id)
+    }
+
+    /// Writes a glTF binary, whole or not at all. `scale` is metres a world unit, 0 for 1.
+    pub fn write_glb(&self, path: &str, scale: f32) -> Result<()> {
+        sys::creature_write_glb(&self.context.0, self.id, path, scale)
+    }
+
+    /// Writes everything into a folder, whole or not at all.
+    pub fn write_folder(&self, folder: &str, write_obj: bool, scale: f32) -> Result<()> {
+        sys::creature_write_folder(&self.context.0, self.id, folder, write_obj, scale)
+    }
+}
+
+impl Drop for Creature {
+    fn drop(&mut self) {
+        sys::creature_destroy(&self.context.0, self.id);
+    }
+}

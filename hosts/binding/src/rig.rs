@@ -1,0 +1,94 @@
+//! Rigs: what a person draws on a clip.
+
+use marey_ffi::{
+    MRY_FACING_AWAY, MRY_FACING_TOWARD, MRY_FACING_UNKNOWN, MRY_SIDE_FAR, MRY_SIDE_MID, MRY_SIDE_NEAR,
+    MRY_SIDE_UNKNOWN, mry_clip, mry_point, mry_rig,
+};
+
+use crate::{Clip, Context, Result, sys};
+
+/// Limbs, strokes and key frames.
+#[derive(Debug)]
+pub struct Rig {
+    pub(crate) id: mry_rig,
+    pub(crate) context: Context,
+}
+
+/// Which of a pair a limb is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Side {
+    /// Not said.
+    Unknown,
+    /// Toward the viewer.
+    Near,
+    /// Away from the viewer.
+    Far,
+    /// Not of a pair.
+    Mid,
+}
+
+/// Whether a stroke leaves the image plane.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Facing {
+    /// Not said.
+    Unknown,
+    /// Its end is nearer to the viewer than its start.
+    Toward,
+    /// Its end is farther from the viewer than its start.
+    Away,
+}
+
+impl Rig {
+    /// The text of a strokes.json.
+    pub fn to_json(&self) -> Result<String> {
+        sys::rig_to_json(&self.context.0, self.id)
+    }
+
+    /// Writes strokes.json, whole or not at all.
+    pub fn write(&self, path: &str) -> Result<()> {
+        sys::rig_write(&self.context.0, self.id, path)
+    }
+
+    /// Whether jobs can work with it, on `clip` where one is given.
+    pub fn validate(&self, clip: Option<&Clip>) -> Result<()> {
+        sys::rig_validate(&self.context.0, self.id, clip.map_or(mry_clip::default(), |c| c.id))
+    }
+
+    /// Adds a limb; gives its index.
+    pub fn add_limb(&self, label: &str, side: Side) -> Result<u32> {
+        let side = match side {
+            Side::Unknown => MRY_SIDE_UNKNOWN,
+            Side::Near => MRY_SIDE_NEAR,
+            Side::Far => MRY_SIDE_FAR,
+            Side::Mid => MRY_SIDE_MID,
+        };
+        sys::rig_add_limb(&self.context.0, self.id, label, side)
+    }
+
+    /// Draws a limb on a frame, in clip pixels, instead of what was drawn of it there before.
+    pub fn set_stroke(&self, limb: u32, frame: u64, points: &[(f32, f32)], facing: Facing) -> Result<()> {
+        let points: Vec<mry_point> = points.iter().map(|&(x, y)| mry_point { x, y }).collect();
+        let facing = match facing {
+            Facing::Unknown => MRY_FACING_UNKNOWN,
+            Facing::Toward => MRY_FACING_TOWARD,
+            Facing::Away => MRY_FACING_AWAY,
+        };
+        sys::rig_set_stroke(&self.context.0, self.id, limb, frame, &points, facing)
+    }
+
+    /// Takes a limb's stroke off a frame.
+    pub fn remove_stroke(&self, limb: u32, frame: u64) -> Result<()> {
+        sys::rig_remove_stroke(&self.context.0, self.id, limb, frame)
+    }
+
+    /// The longest drawn length of a limb, in clip pixels.
+    pub fn length_hint(&self, limb: u32) -> Result<f32> {
+        sys::rig_length_hint(&self.context.0, self.id, limb)
+    }
+}
+
+impl Drop for Rig {
+    fn drop(&mut self) {
+        sys::rig_destroy(&self.context.0, self.id);
+    }
+}
