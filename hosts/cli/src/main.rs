@@ -1,2 +1,52 @@
-//! The command line.
-fn main() {}
+//! `marey`, the command line: video of something alive in, animation out.
+//!
+//! Exit codes: 0 done, 2 bad use, 3 bad input, 4 failed, 130 cancelled. An error is one line on stderr that names the
+//! thing, the place and the remedy. With `--json` stdout holds one report and nothing else.
+
+mod args;
+mod commands;
+mod failure;
+mod say;
+mod watch;
+
+use clap::Parser as _;
+use clap::error::ErrorKind;
+
+use crate::args::{Args, Command};
+use crate::failure::{Failure, one_line};
+
+fn main() {
+    std::process::exit(match Args::try_parse() {
+        Ok(args) => match run(&args) {
+            Ok(()) => 0,
+            Err(failure) => {
+                say::error(&failure.message);
+                failure.exit_code
+            }
+        },
+        // Help and version are no mistakes; clap knows where each of its texts belongs.
+        Err(e) if !e.use_stderr() => {
+            say::text(&e.render().to_string());
+            0
+        }
+        Err(e) if e.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => {
+            say::help(&e.render().to_string());
+            failure::BAD_USE
+        }
+        Err(e) => {
+            say::error(&one_line(&e));
+            failure::BAD_USE
+        }
+    });
+}
+
+fn run(args: &Args) -> Result<(), Failure> {
+    let session = commands::Session::new(args.threads, args.json)?;
+    match &args.command {
+        Command::Info(info) => commands::info(&session, info),
+        Command::Track(track) => commands::track(&session, track),
+        Command::Segment(segment) => commands::segment(&session, segment),
+        Command::Creature(creature) => commands::creature(&session, creature),
+        Command::Demo(demo) => commands::demo(&session, demo),
+    }
+}

@@ -1,0 +1,127 @@
+//! What can be typed.
+
+use std::path::PathBuf;
+
+use clap::{Parser, Subcommand};
+
+#[derive(Debug, Parser)]
+#[command(
+    name = "marey",
+    version,
+    about = "Turns a video of an animal, and a few strokes drawn on it, into an animated, textured 3D creature",
+    after_help = "\
+Examples:
+  marey demo                                            the whole job on a bundled clip, into ./marey-demo
+  marey info horse.mp4                                  what a clip is
+  marey creature horse.mp4 --strokes s.json -o horse    a creature, animated and textured, and all that led to it
+  marey track horse.mp4 --strokes s.json -o m.json      only the limbs over time
+
+CLIP is a video file (mp4, GIF, APNG, animated WebP; others through an ffmpeg on the PATH) or a folder of numbered
+images. Frames count from 0. Strokes are drawn limbs on key frames, as a marey-strokes file.
+
+Exit codes: 0 done, 2 bad use, 3 bad input, 4 failed, 130 cancelled.",
+    disable_help_subcommand = true
+)]
+pub(crate) struct Args {
+    #[command(subcommand)]
+    pub(crate) command: Command,
+    /// Print one machine-readable report on stdout
+    #[arg(long, global = true)]
+    pub(crate) json: bool,
+    /// Worker threads; 0 for one a core. Results do not depend on it
+    #[arg(long, global = true, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u32).range(..=1024))]
+    pub(crate) threads: u32,
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    /// Say what a clip is: size, frames, rate
+    Info(Info),
+    /// Follow the drawn limbs over all frames
+    Track(Track),
+    /// Cut the creature out of every frame
+    Segment(Segment),
+    /// Make the whole creature: limbs, masks, textured and animated model
+    Creature(Creature),
+    /// Make a creature of a bundled clip
+    Demo(Demo),
+}
+
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Example:\n  marey info horse.mp4 --json")]
+pub(crate) struct Info {
+    /// A video file or a folder of numbered images
+    #[arg(value_name = "CLIP")]
+    pub(crate) clip: PathBuf,
+}
+
+/// A clip, what was drawn on it, and who follows it.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Drawn {
+    /// A video file or a folder of numbered images
+    #[arg(value_name = "CLIP")]
+    pub(crate) clip: PathBuf,
+    /// The drawn limbs (strokes.json)
+    #[arg(long, value_name = "S.json")]
+    pub(crate) strokes: PathBuf,
+    /// Who follows the limbs: space-time, paper [default: the best]
+    #[arg(long, value_name = "ID", default_value = "", hide_default_value = true)]
+    pub(crate) tracker: String,
+}
+
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Example:\n  marey track horse.mp4 --strokes strokes.json -o motion.json")]
+pub(crate) struct Track {
+    #[command(flatten)]
+    pub(crate) drawn: Drawn,
+    /// Where to write the limbs over time
+    #[arg(short, long, value_name = "motion.json")]
+    pub(crate) output: PathBuf,
+}
+
+#[derive(Debug, clap::Args)]
+#[command(after_help = "\
+Example:
+  marey segment horse.mp4 --strokes strokes.json -o masks
+
+Writes DIR/00000.png, ... (8 bits, 0 or 255, at the clip's size) and DIR/report.json.")]
+pub(crate) struct Segment {
+    #[command(flatten)]
+    pub(crate) drawn: Drawn,
+    /// Who cuts the creature out: layered, paper [default: the best]
+    #[arg(long, value_name = "ID", default_value = "", hide_default_value = true)]
+    pub(crate) segmenter: String,
+    /// The folder to write
+    #[arg(short, long, value_name = "DIR")]
+    pub(crate) output: PathBuf,
+}
+
+#[derive(Debug, clap::Args)]
+#[command(after_help = "\
+Examples:
+  marey creature horse.mp4 --strokes strokes.json -o horse
+  marey creature horse.mp4 --strokes strokes.json -o horse --obj --json --threads 4
+
+Writes DIR/creature.glb (animated, textured; opens in Blender), motion.json, masks/, overlay.gif, preview.gif and
+report.json, whole or not at all. The report says which stroke would help most if you draw one more.")]
+pub(crate) struct Creature {
+    #[command(flatten)]
+    pub(crate) drawn: Drawn,
+    /// Who cuts the creature out: layered, paper [default: the best]
+    #[arg(long, value_name = "ID", default_value = "", hide_default_value = true)]
+    pub(crate) segmenter: String,
+    /// The folder to write
+    #[arg(short, long, value_name = "DIR")]
+    pub(crate) output: PathBuf,
+    /// Also write meshes/00000.obj, ... in world coordinates
+    #[arg(long)]
+    pub(crate) obj: bool,
+}
+
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Example:\n  marey demo -o camel")]
+pub(crate) struct Demo {
+    /// The folder to write
+    #[arg(short, long, value_name = "DIR", default_value = "marey-demo")]
+    pub(crate) output: PathBuf,
+}

@@ -1,0 +1,39 @@
+//! `marey creature CLIP --strokes S.json -o DIR`
+
+use marey_binding::CreatureOptions;
+
+use super::{Session, next_stroke, utf8};
+use crate::args::Creature;
+use crate::failure::Failure;
+use crate::say;
+use crate::watch::watch;
+
+pub(crate) fn creature(session: &Session, args: &Creature) -> Result<(), Failure> {
+    let (clip, rig) = session.open(&args.drawn)?;
+    let options = CreatureOptions {
+        tracker: &args.drawn.tracker,
+        segmenter: &args.segmenter,
+        folder: utf8(&args.output)?,
+        write_obj: args.obj,
+    };
+    let job = session.context.start_creature(&clip, &rig, &options)?;
+    watch(&job, &session.interrupt)?;
+    let creature = job.take_creature()?;
+    let report = session.report("creature", &creature.report()?, &args.output)?;
+    if session.json {
+        say::line(&report.to_string());
+        return Ok(());
+    }
+    let info = creature.info()?;
+    say::line(&format!(
+        "{}: {} limbs, {} bones, {} triangles, {} frames, in {:.1} s",
+        args.output.join("creature.glb").display(),
+        info.parts,
+        info.bones,
+        info.triangles,
+        info.frames,
+        session.seconds()
+    ));
+    next_stroke(&report).inspect(|line| say::line(line));
+    Ok(())
+}

@@ -1,0 +1,96 @@
+//! The commands, each in its file, and what they share.
+
+mod creature;
+mod demo;
+mod info;
+mod segment;
+mod track;
+
+pub(crate) use creature::creature;
+pub(crate) use demo::demo;
+pub(crate) use info::info;
+pub(crate) use segment::segment;
+pub(crate) use track::track;
+
+use std::path::Path;
+use std::time::Instant;
+
+use marey_binding::{Clip, Context, Rig};
+use serde_json::{Map, Value, json};
+
+use crate::args::Drawn;
+use crate::failure::{BAD_INPUT, BAD_USE, FAILED, Failure};
+use crate::say;
+use crate::watch::Interrupt;
+
+/// One run of the program.
+pub(crate) struct Session {
+    context: Context,
+    json: bool,
+    interrupt: Interrupt,
+    began: Instant,
+}
+
+impl Session {
+    pub(crate) fn new(threads: u32, json: bool) -> Result<Self, Failure> {
+        let began = Instant::now();
+        Ok(Self { interrupt: Interrupt::listen()?, context: Context::new(threads)?, json, began })
+    }
+
+    /// Opens the clip and the strokes, and says what a person should know of the clip.
+    fn open(&self, drawn: &Drawn) -> Result<(Clip, Rig), Failure> {
+        let rig = self.context.read_rig(utf8(&drawn.strokes)?)?;
+        let clip = self.context.open_clip(utf8(&drawn.clip)?)?;
+        for warning in clip.info()?.warnings {
+            say::warning(&format!("{}: {warning}", drawn.clip.display()));
+        }
+        rig.validate(Some(&clip)).map_err(|e| {
+            let failure = Failure::from(e);
+            Failure::new(failure.exit_code, format!("{}: {}", drawn.strokes.display(), failure.message))
+        })?;
+        Ok((clip, rig))
+    }
+
+    /// The engine's report with what the command line adds, for `--json`.
+    fn report(&self, command: &str, engine: &str, output: &Path) -> Result<Value, Failure> {
+        let report: Value = serde_json::from_str(engine).map_err(|e| Failure::new(FAILED, format!("report: {e}")))?;
+        let mut report = match report {
+            Value::Object(map) => map,
+            other => Map::from_iter([("report".to_owned(), other)]),
+        };
+        report.insert("command".into(), json!(command));
+        report.insert("output".into(), json!(output));
+        report.insert("threads".into(), json!(self.context.threads()?));
+        report.insert("seconds".into(), json!(self.seconds()));
+        Ok(Value::Object(report))
+    }
+
+    fn seconds(&self) -> f64 {
+        (self.began.elapsed().as_secs_f64() * 1e3).round() / 1e3
+    }
+}
+
+/// A path for the library, whose paths are UTF-8.
+fn utf8(path: &Path) -> Result<&str, Failure> {
+    path.to_str().ok_or_else(|| Failure::new(BAD_USE, format!("{}: the path is not UTF-8; rename it", path.display())))
+}
+
+/// Refuses, before long work, a file that could not be written after it.
+fn check_file(path: &Path) -> Result<(), Failure> {
+    if path.is_dir() {
+        return Err(Failure::new(BAD_INPUT, format!("{}: is a folder; give the name of a file", path.display())));
+    }
+    match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() && !folder.is_dir() => {
+            Err(Failure::new(BAD_INPUT, format!("{}: is no folder to write into; create it first", folder.display())))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// The stroke that would help most, for a person.
+fn next_stroke(report: &Value) -> Option<String> {
+    let best = report.get("correct_next")?.get(0)?;
+    let (limb, frame) = (best.get("limb")?.as_str()?, best.get("frame")?.as_u64()?);
+    Some(format!("least certain: `{limb}` on frame {frame}; a stroke there helps most"))
+}
