@@ -22,6 +22,8 @@ pub(super) struct Carried {
     pub(super) points: Vec<Vec2>,
     /// How far the flow agreed at each vertex, in 0..=1.
     pub(super) trust: Vec<f32>,
+    /// By what factor the flow lengthened the limb, as far as it is trusted.
+    pub(super) stretch: f32,
 }
 
 /// Moves `pose` along `flow` (`back` leads back). `radii` are the limb's half widths at the vertices, `lengths` the
@@ -42,8 +44,23 @@ pub(super) fn carry(
         targets.push(pose[i] + motion);
         trust.push(weight);
     }
+    let stretch = stretch(pose, &targets, &trust);
     let points = rigid_chain(pose, &targets, &trust, lengths, root);
-    Carried { points, trust }
+    Carried { points, trust, stretch }
+}
+
+/// The change of distances between vertices a few apart, tempered by how far both ends are trusted.
+fn stretch(pose: &[Vec2], targets: &[Vec2], trust: &[f32]) -> f32 {
+    let span = (pose.len() / 3).max(1);
+    let (mut before, mut after, mut weight, mut pairs) = (1e-6, 1e-6, 0.0, 0.0);
+    for i in 0..pose.len() - span {
+        let w = trust[i] * trust[i + span];
+        before += w * pose[i].distance(pose[i + span]);
+        after += w * targets[i].distance(targets[i + span]);
+        weight += w;
+        pairs += 1.0;
+    }
+    1.0 + (after / before - 1.0) * weight / pairs
 }
 
 /// The robust mean flow over the limb's width around vertex `i`, and how far its samples agree forward and back.

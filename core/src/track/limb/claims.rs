@@ -17,9 +17,7 @@ pub(super) struct Claims {
 
 impl Claims {
     pub(super) fn new(footage: &Footage) -> Self {
-        let cells = |n: usize| (n as f32 / CLAIM_CELL).ceil() as usize;
-        let masks = footage.lab.iter().map(|i| Mask::new(cells(i.width()), cells(i.height())));
-        Self { masks: masks.collect() }
+        Self { masks: footage.lab.iter().map(|_| Self::blank(footage)).collect() }
     }
 
     pub(super) fn frame(&self, frame: usize) -> &Mask {
@@ -29,14 +27,25 @@ impl Claims {
     /// Adds one limb: a disc of its half width along every edge.
     pub(super) fn cover(&mut self, poses: &[Vec<Vec2>], radii: &[f32]) {
         for (mask, pose) in self.masks.iter_mut().zip(poses) {
-            for e in 0..pose.len() - 1 {
-                let steps = (pose[e].distance(pose[e + 1]) / CLAIM_CELL).clamp(1.0, 200.0) as usize;
-                for s in 0..=steps {
-                    let share = s as f32 / steps as f32;
-                    let centre = pose[e].lerp(pose[e + 1], share) / CLAIM_CELL;
-                    disc(mask, centre, (radii[e] + (radii[e + 1] - radii[e]) * share) * CORE / CLAIM_CELL);
-                }
-            }
+            cover(mask, pose, radii);
+        }
+    }
+
+    /// An empty mask of one frame's size.
+    pub(super) fn blank(footage: &Footage) -> Mask {
+        let cells = |n: usize| (n as f32 / CLAIM_CELL).ceil() as usize;
+        footage.lab.first().map_or_else(|| Mask::new(1, 1), |i| Mask::new(cells(i.width()), cells(i.height())))
+    }
+}
+
+/// Adds one pose to a mask.
+pub(super) fn cover(mask: &mut Mask, pose: &[Vec2], radii: &[f32]) {
+    for e in 0..pose.len() - 1 {
+        let steps = (pose[e].distance(pose[e + 1]) / CLAIM_CELL).clamp(1.0, 200.0) as usize;
+        for s in 0..=steps {
+            let share = s as f32 / steps as f32;
+            let centre = pose[e].lerp(pose[e + 1], share) / CLAIM_CELL;
+            disc(mask, centre, (radii[e] + (radii[e + 1] - radii[e]) * share) * CORE / CLAIM_CELL);
         }
     }
 }

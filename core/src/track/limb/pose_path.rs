@@ -39,29 +39,96 @@ pub(super) fn best_path(lists: &[Vec<Candidate>], weights: &PathWeights, roots: 
     let mut cost: Vec<f32> = lists[0].iter().map(|c| c.cost).collect();
     let mut from: Vec<Vec<usize>> = Vec::with_capacity(lists.len());
     for f in 1..lists.len() {
-        let drift = roots.map_or(Vec2::ZERO, |r| r[f] - r[f - 1]);
+        let steps = step_costs(&lists[f - 1], &lists[f], weights, drift(roots, f));
         let (mut new, mut links) = (Vec::with_capacity(lists[f].len()), Vec::with_capacity(lists[f].len()));
-        for b in &lists[f] {
-            let best = lists[f - 1]
-                .iter()
-                .zip(&cost)
-                .map(|(a, c)| c + step_cost(a, b, weights, drift))
-                .enumerate()
-                .min_by(|x, y| x.1.total_cmp(&y.1))
-                .unwrap_or((0, 0.0));
-            links.push(best.0);
-            new.push(best.1 + b.cost);
+        for (b, row) in lists[f].iter().zip(steps.chunks_exact(lists[f - 1].len())) {
+            let (link, best) = least(row.iter().zip(&cost).map(|(s, c)| s + c));
+            links.push(link);
+            new.push(best + b.cost);
         }
         from.push(links);
         cost = new;
     }
     let mut path = vec![0; lists.len()];
-    let last = cost.iter().enumerate().min_by(|x, y| x.1.total_cmp(y.1)).map_or(0, |b| b.0);
-    path[lists.len() - 1] = last;
+    path[lists.len() - 1] = least(cost.iter().copied()).0;
     for f in (1..lists.len()).rev() {
         path[f - 1] = from[f - 1][path[f]];
     }
     path
+}
+
+/// The same for two limbs at once. `together[f]` holds for every candidate of the first limb, and within it for every
+/// one of the second, what the two cost in frame `f` beyond their own costs.
+pub(super) fn best_paths(
+    lists: [&[Vec<Candidate>]; 2],
+    together: &[Vec<f32>],
+    weights: &PathWeights,
+    roots: [Option<&[Vec2]>; 2],
+) -> [Vec<usize>; 2] {
+    let frames = lists[0].len();
+    let own = |f: usize, i: usize, j: usize| {
+        lists[0][f][i].cost + lists[1][f][j].cost + together[f][i * lists[1][f].len() + j]
+    };
+    let mut cost: Vec<f32> = (0..lists[0][0].len())
+        .flat_map(|i| (0..lists[1][0].len()).map(move |j| (i, j)))
+        .map(|(i, j)| own(0, i, j))
+        .collect();
+    let mut links: Vec<Vec<(u16, u16)>> = Vec::with_capacity(frames);
+    for f in 1..frames {
+        let (an, bn) = (lists[0][f - 1].len(), lists[1][f - 1].len());
+        let (am, bm) = (lists[0][f].len(), lists[1][f].len());
+        let first = step_costs(&lists[0][f - 1], &lists[0][f], weights, drift(roots[0], f));
+        let second = step_costs(&lists[1][f - 1], &lists[1][f], weights, drift(roots[1], f));
+        // The two limbs' steps are independent, so each is minimised on its own: first limb, then second.
+        let mut half = Vec::with_capacity(am * bn);
+        for row in first.chunks_exact(an) {
+            for j in 0..bn {
+                half.push(least((0..an).map(|i| row[i] + cost[i * bn + j])));
+            }
+        }
+        let (mut new, mut link) = (Vec::with_capacity(am * bm), Vec::with_capacity(am * bm));
+        for i in 0..am {
+            let reached = &half[i * bn..(i + 1) * bn];
+            for (j, row) in second.chunks_exact(bn).enumerate() {
+                let (before, c) = least(row.iter().zip(reached).map(|(s, r)| s + r.1));
+                new.push(c + own(f, i, j));
+                link.push((reached[before].0 as u16, before as u16));
+            }
+        }
+        links.push(link);
+        cost = new;
+    }
+    let columns = |f: usize| lists[1][f].len();
+    let last = least(cost.iter().copied()).0;
+    let mut paths = [vec![0; frames], vec![0; frames]];
+    let mut at = (last / columns(frames - 1), last % columns(frames - 1));
+    for f in (0..frames).rev() {
+        (paths[0][f], paths[1][f]) = at;
+        if f > 0 {
+            let (i, j) = links[f - 1][at.0 * columns(f) + at.1];
+            at = (usize::from(i), usize::from(j));
+        }
+    }
+    paths
+}
+
+fn least(values: impl Iterator<Item = f32>) -> (usize, f32) {
+    let mut best = (0, f32::INFINITY);
+    for (i, v) in values.enumerate() {
+        if v < best.1 {
+            best = (i, v);
+        }
+    }
+    best
+}
+
+fn drift(roots: Option<&[Vec2]>, f: usize) -> Vec2 {
+    roots.map_or(Vec2::ZERO, |r| r[f] - r[f - 1])
+}
+
+/// For every candidate of the later frame, the cost of coming from every one of the earlier.
+fn step_costs(earlier: &[Candidate], later: &[Candidate], weights: &PathWeights, drift: Vec2) -> Vec<f32> {
+    later.iter().flat_map(|b| earlier.iter().map(move |a| step_cost(a, b, weights, drift))).collect()
 }
 
 fn step_cost(a: &Candidate, b: &Candidate, weights: &PathWeights, drift: Vec2) -> f32 {

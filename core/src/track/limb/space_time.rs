@@ -9,20 +9,20 @@ use glam::Vec2;
 use rayon::prelude::*;
 
 use super::carry::carry;
-use super::claims::Claims;
+use super::claims::{Claims, cover};
 use super::footage::Footage;
 use super::foreground::Foreground;
 use super::limb_keys::LimbKeys;
 use super::limb_width::half_widths;
 use super::params::LimbParams;
-use super::pose_path::{Candidate, PathWeights, best_path};
+use super::pose_path::{Candidate, PathWeights, best_path, best_paths};
 use super::pose_search;
 use super::solving_order::{Turn, solving_order};
-use super::strip::{Strip, View};
+use super::strip::{Hideable, Strip, View};
 use crate::clip::Clip;
 use crate::error::Result;
 use crate::job::Stage;
-use crate::raster::{Planes, pyramid};
+use crate::raster::{Mask, Planes, pyramid};
 use crate::rig::{Rig, Side, Skeleton};
 
 /// One limb in all frames, in clip pixels, from the stroke's start to its end.
@@ -50,6 +50,8 @@ struct Task<'a> {
     claims: Option<&'a Claims>,
     /// Whether others hang from it.
     carries: bool,
+    /// Its length in every frame, as a multiple of what its keys say.
+    stretch: Vec<f32>,
 }
 
 impl Task<'_> {
@@ -59,6 +61,12 @@ impl Task<'_> {
             foreground: self.foreground,
             claimed: self.claims.map(|c| c.frame(frame)),
         }
+    }
+
+    fn lengths(&self, frame: usize) -> Vec<f32> {
+        let mut lengths = self.keys.lengths(frame);
+        lengths.iter_mut().for_each(|l| *l *= self.stretch[frame]);
+        lengths
     }
 }
 
@@ -76,34 +84,113 @@ pub(super) fn solve(
     let key_planes = key_planes(clip, rig, &footage)?;
     let mut claims = Claims::new(&footage);
     let mut solved: Vec<Option<Solved>> = vec![None; rig.limbs.len()];
-    for (i, &turn) in turns.iter().enumerate() {
-        let part = |i: usize| 0.6 + 0.4 * i as f64 / turns.len() as f64;
-        let keys = LimbKeys::new(rig, skeleton, turn, footage.scale);
-        let roots = roots(rig, skeleton, turn, &turns, &keys, &solved, &footage);
-        let far = rig.limbs[turn.limb].side == Some(Side::Far);
-        let carries = turns.iter().any(|t| t.from.is_some_and(|(p, _)| p == turn.limb));
-        let radii = radii(&keys, &key_planes);
-        let behind = far.then_some(&claims);
-        let views: Vec<(usize, View<'_>, &[Vec2])> = keys
-            .frames
-            .iter()
-            .zip(&keys.poses)
-            .map(|(&f, pose)| {
-                let claimed = behind.map(|c| c.frame(f));
-                (f, View { image: &footage.lab[f], foreground: &foreground, claimed }, pose.as_slice())
-            })
-            .collect();
-        let strip = Strip::new(radii, &views, !carries);
-        let task = Task { footage: &footage, foreground: &foreground, keys, strip, roots, claims: behind, carries };
-        let result = solve_limb(&task, stage.part(part(i), part(i + 1)))?;
-        if !far {
-            let radii = task.strip.radii;
-            claims.cover(&result.poses, &radii);
+    let groups = groups(rig, &turns);
+    for (i, group) in groups.iter().enumerate() {
+        let part = |i: usize| 0.6 + 0.4 * i as f64 / groups.len() as f64;
+        let mut tasks = Vec::with_capacity(2);
+        for (place, &turn) in group.iter().enumerate() {
+            let keys = LimbKeys::new(rig, skeleton, turn, footage.scale);
+            let roots = roots(rig, skeleton, turn, &turns, &keys, &solved, &footage);
+            let carries = turns.iter().any(|t| t.from.is_some_and(|(p, _)| p == turn.limb));
+            let far = rig.limbs[turn.limb].side == Some(Side::Far);
+            let radii = radii(&keys, &key_planes);
+            // What is in front of it where it was drawn: solved limbs and, as drawn, the near one of its pair.
+            let in_front: Vec<Option<Mask>> = keys
+                .frames
+                .iter()
+                .map(|&f| {
+                    far.then(|| {
+                        let mut mask = claims.frame(f).clone();
+                        let near: Option<&Task<'_>> = if place > 0 { tasks.first() } else { None };
+                        if let Some(near) = near
+                            && let Some(key) = near.keys.frames.iter().position(|&k| k == f)
+                        {
+                            cover(&mut mask, &near.keys.poses[key], &near.strip.radii);
+                        }
+                        mask
+                    })
+                })
+                .collect();
+            let views: Vec<(usize, View<'_>, &[Vec2])> = keys
+                .frames
+                .iter()
+                .zip(&keys.poses)
+                .zip(&in_front)
+                .map(|((&f, pose), mask)| {
+                    let view = View { image: &footage.lab[f], foreground: &foreground, claimed: mask.as_ref() };
+                    (f, view, pose.as_slice())
+                })
+                .collect();
+            let strip = Strip::new(radii, &views, !carries);
+            let stretch = vec![1.0; footage.frames()];
+            let claims = far.then_some(&claims);
+            tasks.push(Task {
+                footage: &footage,
+                foreground: &foreground,
+                keys,
+                strip,
+                roots,
+                claims,
+                carries,
+                stretch,
+            });
         }
-        solved[turn.limb] = Some(result);
+        let ordered = group.iter().any(|t| rig.limbs[t.limb].side == Some(Side::Far));
+        let results = solve_group(&mut tasks, ordered, stage.part(part(i), part(i + 1)))?;
+        let radii: Vec<Vec<f32>> = tasks.into_iter().map(|t| t.strip.radii).collect();
+        for ((turn, result), radii) in group.iter().zip(results).zip(radii) {
+            if rig.limbs[turn.limb].side != Some(Side::Far) {
+                claims.cover(&result.poses, &radii);
+            }
+            solved[turn.limb] = Some(result);
+        }
     }
     let out = solved.into_iter().zip(0..).filter_map(|(s, l)| Some((s?, l)));
     Ok(out.map(|(s, l)| finish(s, turns.iter().any(|t| t.limb == l && t.reversed), footage.scale)).collect())
+}
+
+/// Limbs that are solved together: pairs that may be mistaken for each other, near one first; the rest alone.
+fn groups(rig: &Rig, turns: &[Turn]) -> Vec<Vec<Turn>> {
+    let carries = |l: usize| turns.iter().any(|t| t.from.is_some_and(|(p, _)| p == l));
+    let mut placed = vec![false; rig.limbs.len()];
+    let mut groups = Vec::new();
+    for turn in turns {
+        if placed[turn.limb] {
+            continue;
+        }
+        placed[turn.limb] = true;
+        let mut group = vec![*turn];
+        if !carries(turn.limb)
+            && let Some(other) = twin(rig, turns, *turn).filter(|t| !placed[t.limb] && !carries(t.limb))
+        {
+            placed[other.limb] = true;
+            group.push(other);
+            group.sort_by_key(|t| rig.limbs[t.limb].side == Some(Side::Far));
+        }
+        groups.push(group);
+    }
+    groups
+}
+
+/// The other of a pair: as the rig says; or, where it says nothing of sides, the limb on the same joint that is most
+/// alike in length.
+fn twin(rig: &Rig, turns: &[Turn], turn: Turn) -> Option<Turn> {
+    let of = |l: usize| turns.iter().find(|t| t.limb == l).copied();
+    if let Some(limb) = rig.twin(turn.limb) {
+        return of(limb);
+    }
+    let unsided = |l: usize| rig.limbs[l].side.is_none();
+    let ratio = |l: usize| {
+        let (a, b) = (rig.length_hint(l), rig.length_hint(turn.limb));
+        a.min(b) / a.max(b)
+    };
+    turn.from?;
+    turns
+        .iter()
+        .filter(|t| t.limb != turn.limb && t.from == turn.from && unsided(t.limb) && unsided(turn.limb))
+        .filter(|t| ratio(t.limb) > 0.8)
+        .max_by(|a, b| ratio(a.limb).total_cmp(&ratio(b.limb)))
+        .copied()
 }
 
 fn finish(solved: Solved, reversed: bool, scale: f32) -> Trajectory {
@@ -194,12 +281,13 @@ fn roots(
 type Reached = Option<(Vec<Vec2>, Vec<f32>)>;
 
 /// Carries the limb by flow from key to key in one direction of time.
-fn chain(task: &Task<'_>, forward: bool) -> Vec<Reached> {
+fn chain(task: &Task<'_>, forward: bool) -> (Vec<Reached>, Vec<f32>) {
     let (footage, keys) = (task.footage, &task.keys);
     let frames = footage.frames();
     let mut out: Vec<Reached> = vec![None; frames];
     let order: Vec<usize> = if forward { (0..frames).collect() } else { (0..frames).rev().collect() };
     let mut previous: Option<usize> = None;
+    let mut stretch = vec![1.0f32; frames];
     for f in order {
         if let Some(key) = keys.frames.iter().position(|&k| k == f) {
             out[f] = Some((keys.poses[key].clone(), vec![1.0; keys.vertices()]));
@@ -208,13 +296,16 @@ fn chain(task: &Task<'_>, forward: bool) -> Vec<Reached> {
             && let Some((flow, back)) = footage.flows(p, f)
         {
             let root = task.roots.as_ref().map(|r| r[f]);
-            let carried = carry(pose, &task.strip.radii, &keys.lengths(f), flow, back, root);
+            let lengths: Vec<f32> = keys.lengths(f).into_iter().map(|l| l * stretch[p]).collect();
+            let carried = carry(pose, &task.strip.radii, &lengths, flow, back, root);
+            let relaxed = 1.0 + (stretch[p] * carried.stretch - 1.0) * STRETCH_MEMORY;
+            stretch[f] = if task.carries { relaxed.clamp(BODY_STRETCH.0, BODY_STRETCH.1) } else { 1.0 };
             let trust = trust.iter().zip(&carried.trust).map(|(a, b)| a * (0.3 + 0.7 * b)).collect();
             out[f] = Some((carried.points, trust));
         }
         previous = Some(f);
     }
-    out
+    (out, stretch)
 }
 
 fn mixed_chains(keys: &LimbKeys, f: usize, ahead: &Reached, behind: &Reached) -> (Vec<Vec2>, Vec<f32>) {
@@ -229,35 +320,100 @@ fn mixed_chains(keys: &LimbKeys, f: usize, ahead: &Reached, behind: &Reached) ->
     }
 }
 
-fn solve_limb(task: &Task<'_>, stage: Stage<'_>) -> Result<Solved> {
-    let frames = task.footage.frames();
-    let (ahead, behind) = (chain(task, true), chain(task, false));
-    let trusts: Vec<Vec<f32>> = (0..frames).map(|f| mixed_chains(&task.keys, f, &ahead[f], &behind[f]).1).collect();
-    let mut lists: Vec<Vec<Candidate>> = (0..frames)
-        .into_par_iter()
-        .map(|f| {
-            stage.at(0.5 * f as f64 / frames as f64)?;
-            Ok(first_poses(task, f, &ahead[f], &behind[f]).into_iter().map(|p| judged(task, f, p)).collect())
-        })
-        .collect::<Result<_>>()?;
-    let weights = PathWeights::default();
-    let mut path = best_path(&lists, &weights, task.roots.as_deref());
-    for round in 0..ROUNDS {
-        let poses: Vec<Vec<Vec2>> = path.iter().zip(&lists).map(|(&i, l)| l[i].pose.clone()).collect();
-        let added: Vec<Vec<Candidate>> = (0..frames)
+/// How far lengths may leave the drawn ones, of limbs that carry others: their texture shows when the animal turns. The
+/// flow on a thin limb's end is no measure of its length.
+const BODY_STRETCH: (f32, f32) = (0.4, 1.6);
+/// Share of a stretch that is left in the next frame.
+const STRETCH_MEMORY: f32 = 0.99;
+
+/// Solves one limb, or a pair together. `ordered` says that the first of a pair is in front of the second.
+fn solve_group(tasks: &mut [Task<'_>], ordered: bool, stage: Stage<'_>) -> Result<Vec<Solved>> {
+    let frames = tasks[0].footage.frames();
+    let mut lists: Vec<Vec<Vec<Candidate>>> = Vec::with_capacity(tasks.len());
+    let mut trusts: Vec<Vec<Vec<f32>>> = Vec::with_capacity(tasks.len());
+    let count = tasks.len();
+    for (i, task) in tasks.iter_mut().enumerate() {
+        let ((ahead, grown), (behind, grown_back)) = (chain(task, true), chain(task, false));
+        for f in 0..frames {
+            task.stretch[f] = match (&ahead[f], &behind[f]) {
+                (Some(_), Some(_)) => {
+                    let late = |k: usize| if task.keys.frames[k] >= f { 1.0 } else { 0.0 };
+                    let share = task.keys.mixed(f, late, |a, b, t| a + (b - a) * t);
+                    grown[f] + (grown_back[f] - grown[f]) * share
+                }
+                (None, Some(_)) => grown_back[f],
+                _ => grown[f],
+            };
+        }
+        let task = &*task;
+        trusts.push((0..frames).map(|f| mixed_chains(&task.keys, f, &ahead[f], &behind[f]).1).collect());
+        let list = (0..frames)
             .into_par_iter()
             .map(|f| {
-                stage.at(0.5 + 0.5 * (round as f64 + f as f64 / frames as f64) / ROUNDS as f64)?;
-                Ok(near_poses(task, f, &poses).into_iter().map(|p| judged(task, f, p)).collect())
+                stage.at(0.5 * (i as f64 + f as f64 / frames as f64) / count as f64)?;
+                let poses = first_poses(task, f, &ahead[f], &behind[f]);
+                Ok(poses.into_iter().map(|p| judged(task, f, p)).collect())
             })
             .collect::<Result<_>>()?;
-        for (list, new) in lists.iter_mut().zip(added) {
-            list.extend(new);
-        }
-        path = best_path(&lists, &weights, task.roots.as_deref());
+        lists.push(list);
     }
-    let poses = path.iter().zip(&lists).map(|(&i, l)| l[i].pose.clone()).collect();
-    Ok(Solved { poses, trust: trusts })
+    let tasks = &*tasks;
+    let mut paths = best(tasks, &lists, ordered);
+    for round in 0..ROUNDS {
+        for ((task, list), path) in tasks.iter().zip(&mut lists).zip(&paths) {
+            let poses: Vec<Vec<Vec2>> = path.iter().zip(list.iter()).map(|(&i, l)| l[i].pose.clone()).collect();
+            let added: Vec<Vec<Candidate>> = (0..frames)
+                .into_par_iter()
+                .map(|f| {
+                    stage.at(0.5 + 0.5 * (round as f64 + f as f64 / frames as f64) / ROUNDS as f64)?;
+                    Ok(near_poses(task, f, &poses).into_iter().map(|p| judged(task, f, p)).collect())
+                })
+                .collect::<Result<_>>()?;
+            for (list, new) in list.iter_mut().zip(added) {
+                list.extend(new);
+            }
+        }
+        paths = best(tasks, &lists, ordered);
+    }
+    let chosen = |i: usize| paths[i].iter().zip(&lists[i]).map(|(&c, l)| l[c].pose.clone()).collect();
+    Ok(trusts.into_iter().enumerate().map(|(i, trust)| Solved { poses: chosen(i), trust }).collect())
+}
+
+/// The best path of one limb, or of two that hide each other.
+fn best(tasks: &[Task<'_>], lists: &[Vec<Vec<Candidate>>], ordered: bool) -> Vec<Vec<usize>> {
+    let weights = PathWeights::default();
+    match (tasks, lists) {
+        ([a, b], [first, second]) => {
+            let together: Vec<Vec<f32>> = (0..first.len())
+                .into_par_iter()
+                .map(|f| {
+                    let behind = hiding(a, &first[f], b, f, &second[f]);
+                    if ordered {
+                        return behind;
+                    }
+                    // Nobody said which is in front: whichever order costs less.
+                    let before = hiding(b, &second[f], a, f, &first[f]);
+                    let (n, m) = (first[f].len(), second[f].len());
+                    (0..n * m).map(|k| behind[k].min(before[k % m * n + k / m])).collect()
+                })
+                .collect();
+            best_paths([first, second], &together, &weights, [a.roots.as_deref(), b.roots.as_deref()]).into()
+        }
+        _ => tasks.iter().zip(lists).map(|(task, list)| best_path(list, &weights, task.roots.as_deref())).collect(),
+    }
+}
+
+/// For every pose of the limb in front, and within it for every one behind, what hiding adds to the latter's cost.
+fn hiding(front: &Task<'_>, poses: &[Candidate], behind: &Task<'_>, f: usize, hidden: &[Candidate]) -> Vec<f32> {
+    let view = behind.view(f);
+    let hideable: Vec<Hideable> = hidden.iter().map(|c| behind.strip.hideable(&view, f, &c.pose)).collect();
+    let mut out = Vec::with_capacity(poses.len() * hidden.len());
+    for candidate in poses {
+        let mut mask = Claims::blank(front.footage);
+        cover(&mut mask, &candidate.pose, &front.strip.radii);
+        out.extend(hideable.iter().map(|h| h.change(&mask)));
+    }
+    out
 }
 
 /// Rounds of adding poses near the path.
@@ -278,7 +434,7 @@ fn first_poses(task: &Task<'_>, f: usize, ahead: &Reached, behind: &Reached) -> 
         let mut shapes = [before, after].into_iter().flatten().collect::<Vec<usize>>();
         shapes.dedup();
         for key in shapes {
-            let lengths = keys.lengths(f);
+            let lengths = task.lengths(f);
             poses.extend(pose_search::search(&task.strip, &task.view(f), f, &keys.poses[key], &lengths, roots[f]));
         }
     }
@@ -292,7 +448,7 @@ fn near_poses(task: &Task<'_>, f: usize, path: &[Vec<Vec2>]) -> Vec<Vec<Vec2>> {
     }
     let mut poses = Vec::new();
     let root = task.roots.as_ref().map(|r| r[f]);
-    let lengths = task.keys.lengths(f);
+    let lengths = task.lengths(f);
     for from in [f.checked_sub(1), (f + 1 < path.len()).then_some(f + 1)].into_iter().flatten() {
         if let Some((flow, back)) = task.footage.flows(from, f) {
             poses.push(carry(&path[from], &task.strip.radii, &lengths, flow, back, root).points);
@@ -312,7 +468,7 @@ fn judged(task: &Task<'_>, f: usize, pose: Vec<Vec2>) -> Candidate {
     let moved = |to: usize| {
         let (flow, back) = task.footage.flows(f, to)?;
         let root = task.roots.as_ref().map(|r| r[to]);
-        Some(carry(&pose, &task.strip.radii, &task.keys.lengths(to), flow, back, root))
+        Some(carry(&pose, &task.strip.radii, &task.lengths(to), flow, back, root))
     };
     let (next, last) = (moved(f + 1), f.checked_sub(1).and_then(moved));
     Candidate { pose, cost, next, last }

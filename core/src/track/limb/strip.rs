@@ -21,9 +21,11 @@ const COLOUR: f32 = 28.0 * 28.0;
 /// Share of the cost inside that is texture; the rest is being animal at all.
 const TEXTURE: f32 = 0.5;
 /// Cost of animal just outside where the key frame had none.
-const OUTSIDE: f32 = 0.4;
+const OUTSIDE: f32 = 0.8;
 /// Cost of being hidden behind something nearer, between that of a good and that of a bad match.
 const HIDDEN: f32 = 0.3;
+/// Cost of an edge that points the other way than drawn; a quarter turn costs half.
+const TURNED: f32 = 0.15;
 /// The claims of nearer limbs are kept at one bit for so many working pixels.
 pub(super) const CLAIM_CELL: f32 = 2.0;
 
@@ -41,6 +43,7 @@ struct Sample {
 struct KeyStrip {
     frame: usize,
     edges: Vec<[Sample; SAMPLES]>,
+    directions: Vec<Vec2>,
     /// Beyond the free end.
     tip: [Sample; SAMPLES],
 }
@@ -104,8 +107,11 @@ impl Strip {
     #[inline]
     pub(super) fn edge_cost(&self, view: &View<'_>, keys: [usize; 2], e: usize, a: Vec2, b: Vec2) -> f32 {
         let at = places(a, b, self.radii[e], self.radii[e + 1]);
-        let cost = judge(view, &self.keys[keys[0]].edges[e], &at);
-        if keys[0] == keys[1] { cost } else { cost.min(judge(view, &self.keys[keys[1]].edges[e], &at)) }
+        let direction = (b - a).try_normalize().unwrap_or(Vec2::X);
+        let against =
+            |key: &KeyStrip| judge(view, &key.edges[e], &at) + TURNED * 0.5 * (1.0 - direction.dot(key.directions[e]));
+        let cost = against(&self.keys[keys[0]]);
+        if keys[0] == keys[1] { cost } else { cost.min(against(&self.keys[keys[1]])) }
     }
 
     /// Cost of what lies beyond the tip.
@@ -121,6 +127,45 @@ impl Strip {
         let keys = self.keys_around(frame);
         let edges: f32 = (0..pose.len() - 1).map(|e| self.edge_cost(view, keys, e, pose[e], pose[e + 1])).sum();
         (edges + self.tip_cost(view, keys, pose)) / pose.len() as f32
+    }
+}
+
+impl Strip {
+    /// The cost of `pose` with what is seen, and how it changes where something in front hides each place.
+    pub(super) fn hideable(&self, view: &View<'_>, frame: usize, pose: &[Vec2]) -> Hideable {
+        let [before, after] = self.keys_around(frame);
+        let (mut seen, mut samples) = (0.0, Vec::with_capacity((pose.len() - 1) * SAMPLES));
+        for e in 0..pose.len() - 1 {
+            let at = places(pose[e], pose[e + 1], self.radii[e], self.radii[e + 1]);
+            let first = judge(view, &self.keys[before].edges[e], &at);
+            let second = judge(view, &self.keys[after].edges[e], &at);
+            let key = &self.keys[if first <= second { before } else { after }].edges[e];
+            seen += first.min(second);
+            for (sample, &p) in key.iter().zip(&at) {
+                if sample.inside + sample.outside > 0.0 && !view.is_claimed(p) {
+                    let cost = judge_one(view, sample, p);
+                    let hidden = if sample.inside > 0.0 { HIDDEN * sample.inside } else { 0.0 };
+                    samples.push((p / CLAIM_CELL, (hidden - cost) * (NORM / pose.len() as f32)));
+                }
+            }
+        }
+        Hideable { samples, seen: seen / pose.len() as f32 }
+    }
+}
+
+/// What hiding parts of a pose changes.
+#[derive(Clone, Debug)]
+pub(super) struct Hideable {
+    /// Places in claim cells, and what being hidden there adds to the pose's cost.
+    samples: Vec<(Vec2, f32)>,
+    /// The looks' cost when nothing is hidden.
+    pub(super) seen: f32,
+}
+
+impl Hideable {
+    /// What the pose's cost changes by when `front` is in front of it.
+    pub(super) fn change(&self, front: &Mask) -> f32 {
+        self.samples.iter().filter(|s| front.at(s.0.x as isize, s.0.y as isize)).map(|s| s.1).sum()
     }
 }
 
@@ -140,10 +185,11 @@ impl KeyStrip {
                 std::array::from_fn(|i| learn(view, at[i], is_outside(i)))
             })
             .collect();
+        let directions = pose.windows(2).map(|p| (p[1] - p[0]).try_normalize().unwrap_or(Vec2::X)).collect();
         let (a, b, r) = beyond(pose, radii);
         let at = places(a, b, r, r);
         let tip = std::array::from_fn(|i| if closed { learn(view, at[i], true) } else { Sample::default() });
-        Self { frame, edges, tip }
+        Self { frame, edges, directions, tip }
     }
 }
 
@@ -161,30 +207,34 @@ fn learn(view: &View<'_>, p: Vec2, outside: bool) -> Sample {
     }
 }
 
+/// One over the number of samples inside an edge.
+const NORM: f32 = 1.0 / (SAMPLES as f32 * 5.0 / 7.0);
+
 #[inline]
 fn judge(view: &View<'_>, samples: &[Sample; SAMPLES], at: &[Vec2; SAMPLES]) -> f32 {
     let mut sum = 0.0;
     for (sample, &p) in samples.iter().zip(at) {
-        let weight = sample.inside + sample.outside;
-        if weight == 0.0 {
+        if sample.inside + sample.outside == 0.0 {
             continue;
         }
         if sample.inside > 0.0 && view.is_claimed(p) {
-            sum += weight * HIDDEN;
-            continue;
-        }
-        let Some(colour) = view.image.at(p) else {
-            sum += weight * if sample.inside > 0.0 { HIDDEN } else { 0.0 };
-            continue;
-        };
-        let animal = view.foreground.probability(colour);
-        if sample.inside > 0.0 {
-            let [dl, da, db] = [0, 1, 2].map(|c| f32::from(colour[c]) - f32::from(sample.colour[c]));
-            let d = 0.5 * dl * dl + da * da + db * db;
-            sum += weight * (TEXTURE * d / (d + COLOUR) + (1.0 - TEXTURE) * (1.0 - animal));
+            sum += sample.inside * HIDDEN;
         } else {
-            sum += weight * OUTSIDE * animal;
+            sum += judge_one(view, sample, p);
         }
     }
-    sum * (1.0 / (SAMPLES as f32 * 5.0 / 7.0))
+    sum * NORM
+}
+
+#[inline]
+fn judge_one(view: &View<'_>, sample: &Sample, p: Vec2) -> f32 {
+    let Some(colour) = view.image.at(p) else { return sample.inside * HIDDEN };
+    let animal = view.foreground.probability(colour);
+    if sample.inside > 0.0 {
+        let [dl, da, db] = [0, 1, 2].map(|c| f32::from(colour[c]) - f32::from(sample.colour[c]));
+        let d = 0.5 * dl * dl + da * da + db * db;
+        sample.inside * (TEXTURE * d / (d + COLOUR) + (1.0 - TEXTURE) * (1.0 - animal))
+    } else {
+        sample.outside * OUTSIDE * animal
+    }
 }
