@@ -89,6 +89,7 @@ pub fn creature(clip: &Clip, rig: &Rig, options: &PipelineOptions<'_>, stage: St
     segment.name("segmenting")?;
     let masks = options.segmenter.segment(clip, rig, &motion, segment)?;
     check_masks(clip, &masks)?;
+    report.check_masks(&masks);
     report.stage("segment", began.elapsed().as_secs_f64());
 
     let began = Instant::now();

@@ -81,7 +81,8 @@ pub(super) fn blend(image: &mut RgbImage, x: u32, y: u32, color: [u8; 3], share:
 pub(super) fn mix(from: [u8; 3], to: [u8; 3], share: f32) -> [u8; 3] {
     std::array::from_fn(|c| {
         let (from, to) = (f32::from(from[c]), f32::from(to[c]));
-        (from + (to - from) * share).round().clamp(0.0, 255.0) as u8
+        // The cast cuts off at both ends.
+        (from + (to - from) * share + 0.5) as u8
     })
 }
 

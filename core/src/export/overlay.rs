@@ -6,7 +6,6 @@
 
 use glam::Vec2;
 use image::RgbImage;
-use image::imageops::thumbnail;
 
 use super::canvas::{Pen, blend, disc, line, mix, ring};
 use super::gif::{Schedule, encode};
@@ -15,11 +14,11 @@ use crate::error::{Error, Result};
 use crate::job::Stage;
 use crate::motion::{Motion, TrackFrame};
 use crate::raster::Mask;
+use crate::raster::pyramid::{fitted, shrunk};
 use crate::rig::{Rig, Side};
 
-/// Size of the picture: enough to judge by, small enough to mail.
-const MAX_WIDTH: u32 = 480;
-const MAX_HEIGHT: u32 = 480;
+/// The picture's longest side: enough to judge by, small enough to mail.
+const LONGEST: u32 = 480;
 const MAX_FRAMES: usize = 120;
 const OUTLINE: [u8; 3] = [255, 240, 120];
 const INK: [u8; 3] = [16, 16, 20];
@@ -40,9 +39,8 @@ pub fn overlay(clip: &Clip, rig: &Rig, motion: &Motion, masks: &[Mask], stage: S
             "give what was made from this clip",
         ));
     }
-    let scale = (MAX_WIDTH as f32 / info.width as f32).min(MAX_HEIGHT as f32 / info.height as f32).min(1.0);
-    let side = |pixels: u32| ((pixels as f32 * scale).round() as u32).max(1);
-    let size = (side(info.width), side(info.height));
+    let size = fitted(info.width, info.height, LONGEST);
+    let scale = size.0 as f32 / info.width as f32;
     let looks: Vec<Look> = motion.tracks.iter().map(|t| Look::of(rig, &t.name)).collect();
     let mut order: Vec<usize> = (0..looks.len()).collect();
     order.sort_by_key(|&t| looks[t].layer);
@@ -51,7 +49,7 @@ pub fn overlay(clip: &Clip, rig: &Rig, motion: &Motion, masks: &[Mask], stage: S
     let fixed: Vec<[u8; 3]> = [OUTLINE, INK, PAPER].into_iter().chain(looks.iter().map(|l| l.color)).collect();
     let draw = |frame: usize| {
         let picture = clip.frame(frame)?;
-        let mut image = thumbnail(&picture.rgb, size.0, size.1);
+        let mut image = shrunk(&picture.rgb, size.0, size.1);
         if let Some(mask) = masks.get(frame) {
             show_mask(&mut image, mask);
         }
@@ -97,32 +95,41 @@ fn hue(turns: f32) -> [u8; 3] {
 }
 
 fn show_mask(image: &mut RgbImage, mask: &Mask) {
-    let (width, height) = image.dimensions();
-    let step = [mask.width() as f32 / width as f32, mask.height() as f32 / height as f32];
-    // Quarters of every pixel that lie inside.
-    let quarters: Vec<u8> = (0..width * height)
-        .map(|i| {
-            let place = |share: f32, at: u32, axis: usize| ((at as f32 + share) * step[axis]) as isize;
-            let (x, y) = (i % width, i / width);
-            let inside = |sx: f32, sy: f32| u8::from(mask.at(place(sx, x, 0), place(sy, y, 1)));
-            inside(0.25, 0.25) + inside(0.75, 0.25) + inside(0.25, 0.75) + inside(0.75, 0.75)
-        })
-        .collect();
-    let at = |x: u32, y: u32| quarters[(y * width + x) as usize];
+    let (width, height) = (image.width() as usize, image.height() as usize);
+    // How many of four samples of every pixel lie inside.
+    let samples = |size: usize, cells: usize| -> Vec<usize> {
+        (0..2 * cells).map(|i| ((2 * i + 1) * size / (4 * cells)).min(size.saturating_sub(1))).collect()
+    };
+    let (columns, rows) = (samples(mask.width(), width), samples(mask.height(), height));
+    let mut inside = vec![0u8; width * height];
+    for (y, &row) in rows.iter().enumerate() {
+        let cells = &mut inside[y / 2 * width..(y / 2 + 1) * width];
+        for (cell, columns) in cells.iter_mut().zip(columns.chunks_exact(2)) {
+            *cell += u8::from(mask.get(columns[0], row)) + u8::from(mask.get(columns[1], row));
+        }
+    }
+    for (pixel, &inside) in image.as_flat_samples_mut().samples.chunks_exact_mut(3).zip(&inside) {
+        if inside < 4 {
+            let [r, g, b] = [pixel[0], pixel[1], pixel[2]].map(u32::from);
+            let grey = (2 * r + 5 * g + b) / 8;
+            let outside = 4 - u32::from(inside);
+            for (value, ink) in pixel.iter_mut().zip(INK.map(u32::from)) {
+                let dim = (5 * u32::from(*value) + 7 * grey + 4 * ink) / 16;
+                *value = ((u32::from(inside) * u32::from(*value) + outside * dim) / 4) as u8;
+            }
+        }
+    }
+    let half = |x: usize, y: usize| inside[y * width + x] >= 2;
     for y in 0..height {
         for x in 0..width {
-            let [r, g, b] = image.get_pixel(x, y).0;
-            let grey = ((u32::from(r) * 2 + u32::from(g) * 5 + u32::from(b)) / 8) as u8;
-            let outside = mix([r, g, b], mix([grey; 3], INK, 0.4), 0.75);
-            blend(image, x, y, outside, 1.0 - f32::from(at(x, y)) / 4.0);
-            let near = [
-                (x.saturating_sub(1), y),
-                ((x + 1).min(width - 1), y),
-                (x, y.saturating_sub(1)),
-                (x, (y + 1).min(height - 1)),
-            ];
-            if at(x, y) >= 2 && near.iter().any(|&(x, y)| at(x, y) < 2) {
-                blend(image, x, y, OUTLINE, 0.8);
+            let border = || {
+                !half(x.saturating_sub(1), y)
+                    || !half((x + 1).min(width - 1), y)
+                    || !half(x, y.saturating_sub(1))
+                    || !half(x, (y + 1).min(height - 1))
+            };
+            if half(x, y) && border() {
+                blend(image, x as u32, y as u32, OUTLINE, 0.8);
             }
         }
     }

@@ -92,21 +92,28 @@ impl Bounds {
 
 fn show(model: &RiggedModel, meshes: &[TriMesh], view: Mat4, (width, height): (u32, u32), lit: bool) -> RgbImage {
     let mut raster = Rasterizer::new(width * FINE, height * FINE);
-    raster.clear([BACKGROUND[0], BACKGROUND[1], BACKGROUND[2], 255]);
     let fine = Mat4::from_scale(vec3(FINE as f32, FINE as f32, 1.0)) * view;
     for (part, mesh) in model.parts.iter().zip(meshes) {
         let surface = if lit { Surface::Lit(&part.texture) } else { Surface::Flat(&part.texture) };
         raster.draw(mesh, &fine, surface, 0);
     }
-    let raw = raster.color.as_raw();
     let row = (width * FINE * 4) as usize;
-    RgbImage::from_fn(width, height, |x, y| {
-        let at = (y * FINE) as usize * row + (x * FINE * 4) as usize;
-        Rgb(std::array::from_fn(|c| {
-            let sum: u32 = [0, 4, row, row + 4].iter().map(|o| u32::from(raw[at + o + c])).sum();
-            ((sum + 2) / 4) as u8
-        }))
-    })
+    let mut out = RgbImage::from_pixel(width, height, Rgb(BACKGROUND));
+    let lines = out.as_flat_samples_mut().samples.chunks_exact_mut(3 * width as usize);
+    for (line, two) in lines.zip(raster.color.as_raw().chunks_exact(2 * row)) {
+        for (x, pixel) in line.chunks_exact_mut(3).enumerate() {
+            let samples = [8 * x, 8 * x + 4, row + 8 * x, row + 8 * x + 4].map(|at| &two[at..at + 4]);
+            // Opacity is all or nothing; what nothing covers shows the background.
+            let bare = samples.iter().filter(|s| s[3] == 0).count() as u32;
+            if bare < 4 {
+                for (c, value) in pixel.iter_mut().enumerate() {
+                    let sum: u32 = samples.iter().filter(|s| s[3] > 0).map(|s| u32::from(s[c])).sum();
+                    *value = ((sum + bare * u32::from(BACKGROUND[c]) + 2) / 4) as u8;
+                }
+            }
+        }
+    }
+    out
 }
 
 fn side_by_side(left: &RgbImage, right: &RgbImage) -> RgbImage {

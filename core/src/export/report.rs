@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::clip::ClipInfo;
 use crate::motion::Motion;
+use crate::raster::Mask;
 use crate::rig::Rig;
 use crate::shape::RiggedModel;
 
@@ -17,6 +18,9 @@ const VERSION: u32 = 1;
 const SUGGESTIONS: usize = 5;
 /// Suggestions for one limb keep this share of the clip between them: a stroke also helps its neighbours.
 const SUGGESTION_GAP: f32 = 0.1;
+/// A limb whose share of seen points is below this is worth a warning, and so is one trusted less than that on average.
+const HARDLY: f32 = 0.05;
+const DOUBTED: f32 = 0.3;
 
 /// What a run did.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -122,6 +126,9 @@ impl Report {
     /// A report of a clip and what was tracked in it; stages, model and outputs are added as they come.
     pub fn new(clip: &ClipInfo, rig: &Rig, motion: &Motion) -> Self {
         let means = frame_means(motion);
+        let limbs = limb_confidences(motion, &means);
+        let mut warnings = clip.warnings.clone();
+        warnings.extend(limbs.iter().filter_map(LimbConfidence::warning));
         Self {
             format: FORMAT.into(),
             version: VERSION,
@@ -141,11 +148,20 @@ impl Report {
             },
             stages: Vec::new(),
             total_seconds: 0.0,
-            warnings: clip.warnings.clone(),
-            limbs: limb_confidences(motion, &means),
+            warnings,
+            limbs,
             correct_next: corrections_by(motion, rig, &means),
             settings: serde_json::Value::Null,
             outputs: Vec::new(),
+        }
+    }
+
+    /// Warns of frames whose mask is empty.
+    pub fn check_masks(&mut self, masks: &[Mask]) {
+        let empty: Vec<usize> = masks.iter().enumerate().filter(|(_, m)| m.count() == 0).map(|(f, _)| f).collect();
+        if let Some(first) = empty.first() {
+            let count = empty.len();
+            self.warnings.push(format!("the creature was found in none of {count} frames, the first of them {first}"));
         }
     }
 
@@ -172,6 +188,18 @@ impl Report {
     /// The text of report.json.
     pub fn to_json(&self) -> String {
         serde_json::to_string_pretty(self).unwrap_or_default()
+    }
+}
+
+impl LimbConfidence {
+    fn warning(&self) -> Option<String> {
+        let Self { limb, mean, lowest_frame, visible, .. } = self;
+        if *visible < HARDLY {
+            return Some(format!("limb `{limb}` is seen in hardly any frame: its motion is a guess"));
+        }
+        (*mean < DOUBTED).then(|| {
+            format!("limb `{limb}` is trusted little ({mean:.2} of 1): draw it on frame {lowest_frame} as well")
+        })
     }
 }
 
@@ -229,4 +257,57 @@ fn corrections_by(motion: &Motion, rig: &Rig, means: &[Vec<f32>]) -> Vec<Correct
     }
     let name = |track: usize| motion.tracks[track].name.clone();
     chosen.into_iter().map(|(confidence, frame, t)| Correction { frame, limb: name(t), confidence }).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::motion::{Track, TrackFrame, TrackKind};
+    use crate::rig::{KeyFrame, Limb, Stroke};
+    use glam::Vec2;
+
+    /// A limb that is trusted `1 - doubt(frame)` and seen where `seen(frame)`.
+    fn track(name: &str, doubt: impl Fn(usize) -> f32, seen: impl Fn(usize) -> bool) -> Track {
+        let points = vec![Vec2::ZERO, Vec2::ONE];
+        let at =
+            |f| TrackFrame { visible: vec![seen(f); 2], confidence: vec![1.0 - doubt(f); 2], points: points.clone() };
+        Track { name: name.into(), kind: TrackKind::Stroke, frames: (0..40).map(at).collect() }
+    }
+
+    #[test]
+    fn says_what_to_draw_next() {
+        let limb = |label: &str| Limb { label: label.into(), side: None };
+        let stroke = |limb| Stroke { limb, points: vec![Vec2::ZERO, Vec2::X * 9.0], facing: None };
+        let rig = Rig {
+            size: (10, 10),
+            limbs: vec![limb("sure"), limb("lost"), limb("hidden")],
+            keyframes: vec![KeyFrame { frame: 20, strokes: (0..3).map(stroke).collect(), ..KeyFrame::default() }],
+        };
+        let lost = |f: usize| if f == 20 { 0.95 } else { 0.9 - 0.01 * f.abs_diff(20) as f32 };
+        let tracks = vec![
+            track("sure", |_| 0.0, |_| true),
+            track("lost", lost, |_| true),
+            track("hidden", |_| 0.1, |f| f == 20),
+        ];
+        let motion = Motion { size: (10, 10), fps: 24.0, frames: 40, tracks, bones: Vec::new() };
+        let clip = ClipInfo {
+            width: 10,
+            height: 10,
+            frames: 40,
+            fps: 24.0,
+            source: "memory",
+            warnings: vec!["truncated after frame 39".into()],
+        };
+        let mut report = Report::new(&clip, &rig, &motion);
+        let named: Vec<(&str, usize)> = report.correct_next.iter().map(|c| (c.limb.as_str(), c.frame)).collect();
+        // The drawn frame itself is no suggestion, however little it is trusted, and neighbours are not repeated.
+        assert_eq!(named[..3], [("lost", 19), ("lost", 24), ("lost", 14)]);
+        assert_eq!(report.warnings.len(), 3, "{:?}", report.warnings);
+        assert!(report.warnings[0].contains("truncated") && report.warnings[1].contains("lost"));
+        assert!(report.warnings[2].contains("hidden"));
+        report.check_masks(&[Mask::from_fn(4, 4, |_, _| true), Mask::new(4, 4), Mask::new(4, 4)]);
+        assert!(report.warnings[3].contains("2 frames") && report.warnings[3].ends_with('1'));
+        let read: Report = serde_json::from_str(&report.to_json()).expect("readable");
+        assert_eq!(read, report);
+    }
 }
