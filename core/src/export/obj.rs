@@ -139,7 +139,7 @@ mod tests {
             push_number(&mut out, value, decimals);
             let text = String::from_utf8(out).expect("ascii");
             let back: f64 = text.parse().expect("a number");
-            prop_assert!((back - f64::from(value)).abs() <= 0.5000001 * 0.1f64.powi(decimals as i32), "{}", text);
+            prop_assert!((back - f64::from(value)).abs() <= 0.501 * 0.1f64.powi(decimals as i32), "{}", text);
             prop_assert!(text != "-0" && !(text.contains('.') && text.ends_with('0')), "{}", text);
         }
     }

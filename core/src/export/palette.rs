@@ -47,7 +47,10 @@ impl Palette {
             rounded.push([0; 3]);
         }
         let exact: Vec<[f32; 3]> = rounded.iter().map(|c| c.map(f32::from)).collect();
-        let nearest = (0..BINS).into_par_iter().map(|bin| nearest_of(&exact, center(bin)) as u8).collect();
+        let mut nearest: Vec<u8> = (0..BINS).into_par_iter().map(|bin| nearest_of(&exact, center(bin)) as u8).collect();
+        for (i, color) in rounded[..kept].iter().enumerate() {
+            nearest[bin_of(*color)] = i as u8;
+        }
         Self { colors: rounded, nearest }
     }
 
@@ -184,12 +187,12 @@ mod tests {
     fn few_colours_are_kept_as_they_are() {
         let given = [[0u8, 0, 0], [255, 255, 255], [200, 30, 40], [12, 90, 200]];
         let picture = RgbImage::from_fn(40, 40, |x, y| image::Rgb(given[((x / 7 + y / 5) % 4) as usize]));
-        let palette = Palette::build(&[picture], &[[1, 2, 3]]);
+        let palette = Palette::build(&[picture], &[[90, 2, 3]]);
         for color in given {
             let got = palette.colors()[usize::from(palette.nearest(color))];
             assert!(got.iter().zip(color).all(|(a, b)| a.abs_diff(b) <= 1), "{got:?} for {color:?}");
         }
-        assert_eq!(palette.colors()[0], [1, 2, 3]);
+        assert_eq!(palette.colors()[0], [90, 2, 3]);
     }
 
     #[test]
