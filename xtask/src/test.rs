@@ -2,10 +2,12 @@
 
 use anyhow::Result;
 
-use crate::{shell, system, validator};
+use crate::{c_host, header, shell, system, validator};
 
 pub(crate) fn run() -> Result<()> {
     system::ensure()?;
+    header::run(&["--check".into()])?;
     shell::run(shell::cargo().args(["test", "--workspace", "--locked"]))?;
+    c_host::run(&["--dev".into()])?;
     validator::demo()
 }
