@@ -79,7 +79,7 @@
 #define MRY_CREATURE_INFO_INIT { (uint32_t)sizeof(mry_creature_info), 0, 0, 0, 0, 0, 0, 0.0, 0, 0 }
 #define MRY_PART_INFO_INIT { (uint32_t)sizeof(mry_part_info), 0, 0, 0, 0, 0 }
 #define MRY_TRACK_DESC_INIT { (uint32_t)sizeof(mry_track_desc), 0, { 0 }, { 0 }, { NULL, 0 } }
-#define MRY_SEGMENT_DESC_INIT { (uint32_t)sizeof(mry_segment_desc), 0, { 0 }, { 0 }, { 0 }, { NULL, 0 }, { NULL, 0 } }
+#define MRY_SEGMENT_DESC_INIT { (uint32_t)sizeof(mry_segment_desc), 0, { 0 }, { 0 }, { 0 }, { NULL, 0 }, { NULL, 0 }, { NULL, 0 } }
 #define MRY_CREATURE_DESC_INIT { (uint32_t)sizeof(mry_creature_desc), 0, { 0 }, { 0 }, { NULL, 0 }, { NULL, 0 }, { NULL, 0 } }
 #define MRY_JOB_STATE_INIT { (uint32_t)sizeof(mry_job_state), 0, 0.0, 0, { 0 } }
 
@@ -448,6 +448,8 @@ typedef struct mry_segment_desc {
   mry_str tracker;
   /** The segmenter: "layered", "paper" (Reinert 2016, section 3.6); empty for the best. */
   mry_str segmenter;
+  /** Where to write the masks, see mry_masks_write_folder; empty for nowhere. */
+  mry_str folder;
 } mry_segment_desc;
 
 /** What to make a creature of. Start from MRY_CREATURE_DESC_INIT; clip and rig must be set. */
@@ -1363,6 +1365,31 @@ mry_status mry_motion_get_correction(mry_context *context,
                                      uint32_t index,
                                      mry_correction *out_correction,
                                      mry_error *err);
+
+/**
+ * What there is to say about tracking, as the text of a report.json: counts, warnings, how far each limb is to be
+ * trusted, corrections.
+ *
+ * @param context   The context.
+ * @param motion    The motion.
+ * @param clip      The clip it came from.
+ * @param rig       The rig it came from.
+ * @param text      Where the text goes, UTF-8 with a NUL; NULL with capacity 0 to ask for the size.
+ * @param capacity  Bytes at text.
+ * @param out_size  Bytes needed, with the NUL.
+ * @param err       Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_BUFFER_TOO_SMALL, MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_motion_get_report(mry_context *context,
+                                 mry_motion motion,
+                                 mry_clip clip,
+                                 mry_rig rig,
+                                 char *text,
+                                 size_t capacity,
+                                 size_t *out_size,
+                                 mry_error *err);
 
 /** @} */
 

@@ -332,6 +332,20 @@ mod tests {
     }
 
     #[test]
+    fn the_header_declares_what_the_library_exports() {
+        let header = without_comments(&std::fs::read_to_string(path()).expect("the header"));
+        let mut declared: Vec<&str> = header
+            .split("MRY_API\n")
+            .flat_map(|p| p.split("MRY_API "))
+            .filter_map(|p| p.split('(').next()?.split([' ', '*', '\n']).next_back())
+            .filter(|name| name.starts_with("mry_"))
+            .collect();
+        declared.sort_unstable();
+        let listed = std::fs::read_to_string(root().join("ffi/abi/symbols.txt")).expect("the list");
+        assert_eq!(declared, listed.lines().collect::<Vec<_>>());
+    }
+
+    #[test]
     fn a_difference_is_found_in_its_line() {
         assert_eq!(first_difference("a\nb\n", "a\nb\n"), None);
         assert_eq!(first_difference("a\nb\n", "a\nc\n"), Some(2));

@@ -8,13 +8,14 @@
 //! ```
 //! Cargo cannot call the library `marey` itself: the engine's crate has that name.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::process::Stdio;
 
 use anyhow::{Context as _, Result, bail, ensure};
 
 use crate::header;
-use crate::shell::{cargo, program, read, say, target};
+use crate::shell::{cargo, program, read, root, say, target};
 
 /// Which build of the library.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -74,8 +75,25 @@ pub(crate) fn build(profile: Profile) -> Result<PathBuf> {
     link(&soname, &lib.join("libmarey.so"))?;
     let dynamic = read(program("readelf").arg("-d").arg(lib.join(&full)))?;
     ensure!(dynamic.contains(&format!("[{soname}]")), "{full} does not carry SONAME {soname}:\n{dynamic}");
+    check_symbols(&lib.join(&full))?;
     std::fs::write(lib.join("pkgconfig/marey.pc"), pkg_config(private))?;
     Ok(folder)
+}
+
+/// The library exports what ffi/abi/symbols.txt lists, no more and no less.
+fn check_symbols(library: &Path) -> Result<()> {
+    let listed = std::fs::read_to_string(root().join("ffi/abi/symbols.txt"))?;
+    let listed: BTreeSet<&str> = listed.lines().collect();
+    let said = read(program("nm").args(["--dynamic", "--defined-only", "--format=posix"]).arg(library))?;
+    let exported: BTreeSet<&str> = said.lines().filter_map(|l| l.split_whitespace().next()).collect();
+    let extra: Vec<_> = exported.difference(&listed).collect();
+    let missing: Vec<_> = listed.difference(&exported).collect();
+    ensure!(
+        extra.is_empty() && missing.is_empty(),
+        "{}: exports that ffi/abi/symbols.txt does not list: {extra:?}; listed and not exported: {missing:?}",
+        library.display()
+    );
+    Ok(())
 }
 
 fn copy(from: &Path, to: &Path) -> Result<()> {

@@ -1,0 +1,569 @@
+//! Every exported function against a host that gets it wrong: no context, no outputs, dead ids, bad numbers, short
+//! buffers, wrong sizes; and against a defect of the library itself.
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+
+mod common;
+
+use std::ffi::c_char;
+use std::ptr;
+
+use common::*;
+use marey_ffi::mry_status_code::*;
+use marey_ffi::*;
+
+/// One of each kind of object.
+#[derive(Clone, Copy, Default)]
+struct Ids {
+    clip: mry_clip,
+    rig: mry_rig,
+    motion: mry_motion,
+    masks: mry_masks,
+    creature: mry_creature,
+    job: mry_job,
+}
+
+fn ids(f: &Fixture) -> Ids {
+    let mut ids = Ids { clip: f.clip(), rig: f.rig(), motion: f.motion(), ..Ids::default() };
+    let mut err = error();
+    unsafe {
+        let status = mry_run_creature(f.context, &f.creature_desc(), &mut ids.creature, &mut err);
+        assert_eq!(status, OK, "{}", text(&err.message));
+        assert_eq!(mry_creature_get_masks(f.context, ids.creature, &mut ids.masks, &mut err), OK);
+        assert_eq!(mry_job_start_track(f.context, &f.track_desc(), &mut ids.job, &mut err), OK);
+    }
+    ids
+}
+
+/// Room for every output, or NULL in its place.
+struct Outs {
+    null: bool,
+}
+
+impl Outs {
+    fn at<T>(&self) -> *mut T {
+        // Never freed: a test's worth of small buffers.
+        if self.null {
+            ptr::null_mut()
+        } else {
+            Box::leak(Box::new([const { std::mem::MaybeUninit::<T>::zeroed() }; 4096])).as_mut_ptr().cast()
+        }
+    }
+
+    fn sized<T>(&self) -> *mut T {
+        let at = self.at::<T>();
+        if !at.is_null() {
+            unsafe { at.cast::<u32>().write(size_of::<T>() as u32) };
+        }
+        at
+    }
+}
+
+type Run = fn(*mut mry_context, Ids, &Outs, *mut mry_error, &str) -> mry_status;
+
+/// What a function has beside its context.
+#[derive(Clone, Copy, PartialEq)]
+enum Has {
+    /// An id and outputs.
+    IdAndOut,
+    /// An id, no output.
+    Id,
+    /// Outputs, no id.
+    Out,
+}
+
+macro_rules! calls {
+    ($($has:ident $name:ident($c:ident, $i:ident, $o:ident, $e:ident, $p:ident) => [$($argument:expr),* $(,)?];)*) => {
+        &[$((
+            stringify!($name),
+            Has::$has,
+            // Not every function has ids, outputs or a path.
+            |$c: *mut mry_context, $i: Ids, $o: &Outs, $e: *mut mry_error, $p: &str| -> mry_status {
+                let _ = ($i, $o, $p);
+                unsafe { $name($c, $($argument,)* $e) }
+            },
+        )),*]
+    };
+}
+
+fn point() -> *const mry_point {
+    const POINTS: [mry_point; 2] = [mry_point { x: 5.0, y: 5.0 }, mry_point { x: 50.0, y: 40.0 }];
+    POINTS.as_ptr()
+}
+
+fn track(i: Ids) -> *const mry_track_desc {
+    let mut desc = zeroed_track();
+    (desc.clip, desc.rig) = (i.clip, i.rig);
+    Box::leak(Box::new(desc))
+}
+
+fn segment(i: Ids) -> *const mry_segment_desc {
+    let mut desc = unsafe { std::mem::zeroed::<mry_segment_desc>() };
+    unsafe { mry_segment_desc_init(&mut desc, size_of::<mry_segment_desc>() as u32) };
+    (desc.clip, desc.rig, desc.motion) = (i.clip, i.rig, i.motion);
+    Box::leak(Box::new(desc))
+}
+
+fn creature(i: Ids) -> *const mry_creature_desc {
+    let mut desc = unsafe { std::mem::zeroed::<mry_creature_desc>() };
+    unsafe { mry_creature_desc_init(&mut desc, size_of::<mry_creature_desc>() as u32) };
+    (desc.clip, desc.rig) = (i.clip, i.rig);
+    Box::leak(Box::new(desc))
+}
+
+/// Every function that takes a context and an error, called as a careful host would.
+const CALLS: &[(&str, Has, Run)] = calls! {
+    Out mry_context_get_threads(c, i, o, e, p) => [o.at()];
+    Out mry_clip_open(c, i, o, e, p) => [str(p), ptr::null(), o.at()];
+    IdAndOut mry_clip_get_info(c, i, o, e, p) => [i.clip, o.sized()];
+    IdAndOut mry_clip_get_time(c, i, o, e, p) => [i.clip, 1, o.at()];
+    IdAndOut mry_clip_get_warning(c, i, o, e, p) => [i.clip, 0, o.at(), 4096, o.at()];
+    IdAndOut mry_clip_read_frame(c, i, o, e, p) => [i.clip, 0, o.at::<[u8; 8]>().cast(), 4096 * 8, 0];
+    Out mry_rig_create(c, i, o, e, p) => [9, 9, o.at()];
+    Out mry_rig_read(c, i, o, e, p) => [str(p), o.at()];
+    Out mry_rig_from_json(c, i, o, e, p) => [str(STROKES), o.at()];
+    Id mry_rig_write(c, i, o, e, p) => [i.rig, str(p)];
+    IdAndOut mry_rig_to_json(c, i, o, e, p) => [i.rig, o.at(), 4096, o.at()];
+    IdAndOut mry_rig_add_limb(c, i, o, e, p) => [i.rig, str("tail"), MRY_SIDE_MID, o.at()];
+    IdAndOut mry_rig_get_limb_count(c, i, o, e, p) => [i.rig, o.at()];
+    IdAndOut mry_rig_get_limb(c, i, o, e, p) => [i.rig, 0, o.at(), 4096, o.at(), o.at()];
+    Id mry_rig_set_stroke(c, i, o, e, p) => [i.rig, 0, 2, point(), 2, MRY_FACING_TOWARD];
+    Id mry_rig_remove_stroke(c, i, o, e, p) => [i.rig, 0, 2];
+    IdAndOut mry_rig_get_stroke(c, i, o, e, p) => [i.rig, 0, 0, o.at(), 4096, o.at(), o.at()];
+    IdAndOut mry_rig_get_keyframes(c, i, o, e, p) => [i.rig, o.at(), 4096, o.at()];
+    Id mry_rig_add_paint(c, i, o, e, p) => [i.rig, 0, MRY_PAINT_FOREGROUND, 2.0, point(), 2];
+    Id mry_rig_clear_paint(c, i, o, e, p) => [i.rig, 0];
+    Id mry_rig_set_mask(c, i, o, e, p) => [i.rig, 3, str("")];
+    IdAndOut mry_rig_get_length_hint(c, i, o, e, p) => [i.rig, 0, o.at()];
+    Id mry_rig_validate(c, i, o, e, p) => [i.rig, i.clip];
+    Out mry_motion_read(c, i, o, e, p) => [str(p), o.at()];
+    Out mry_motion_from_json(c, i, o, e, p) => [str("{}"), o.at()];
+    Id mry_motion_write(c, i, o, e, p) => [i.motion, str(p)];
+    IdAndOut mry_motion_to_json(c, i, o, e, p) => [i.motion, o.at(), 4096, o.at()];
+    IdAndOut mry_motion_get_info(c, i, o, e, p) => [i.motion, o.sized()];
+    IdAndOut mry_motion_get_track(c, i, o, e, p) => [i.motion, 0, o.at(), 4096, o.at(), o.at(), o.at()];
+    IdAndOut mry_motion_find_track(c, i, o, e, p) => [i.motion, str("body"), o.at()];
+    IdAndOut mry_motion_read_frame(c, i, o, e, p) => [i.motion, 0, 0, o.at(), o.at(), o.at(), 4096, o.at()];
+    IdAndOut mry_motion_get_bone(c, i, o, e, p) => [i.motion, 0, o.at(), o.at()];
+    IdAndOut mry_motion_get_correction(c, i, o, e, p) => [i.motion, i.rig, 0, o.sized()];
+    IdAndOut mry_motion_get_report(c, i, o, e, p) => [i.motion, i.clip, i.rig, o.at(), 4096, o.at()];
+    IdAndOut mry_masks_get_info(c, i, o, e, p) => [i.masks, o.sized()];
+    IdAndOut mry_masks_read(c, i, o, e, p) => [i.masks, 0, o.at::<[u8; 8]>().cast(), 4096 * 8, 0];
+    Id mry_masks_write_folder(c, i, o, e, p) => [i.masks, str(p)];
+    IdAndOut mry_masks_get_report(c, i, o, e, p) => [i.masks, o.at(), 4096, o.at()];
+    IdAndOut mry_creature_get_info(c, i, o, e, p) => [i.creature, o.sized()];
+    IdAndOut mry_creature_get_motion(c, i, o, e, p) => [i.creature, o.at()];
+    IdAndOut mry_creature_get_masks(c, i, o, e, p) => [i.creature, o.at()];
+    IdAndOut mry_creature_get_report(c, i, o, e, p) => [i.creature, o.at(), 4096, o.at()];
+    IdAndOut mry_creature_get_bone(c, i, o, e, p) => [i.creature, 0, o.at(), 4096, o.at(), o.at()];
+    IdAndOut mry_creature_read_pose(c, i, o, e, p) => [i.creature, 0, o.at(), 4096, o.at()];
+    IdAndOut mry_creature_get_part(c, i, o, e, p) => [i.creature, 0, o.at(), 4096, o.at(), o.sized()];
+    IdAndOut mry_creature_read_vertices(c, i, o, e, p) =>
+        [i.creature, 0, 1, o.at::<[f32; 3]>().cast(), o.at::<[f32; 3]>().cast(), o.at::<[f32; 3]>().cast(), 4096, o.at()];
+    IdAndOut mry_creature_read_triangles(c, i, o, e, p) => [i.creature, 0, o.at::<[u32; 3]>().cast(), 4096, o.at()];
+    IdAndOut mry_creature_read_weights(c, i, o, e, p) =>
+        [i.creature, 0, o.at::<[u16; 4]>().cast(), o.at::<[f32; 4]>().cast(), 4096, o.at()];
+    IdAndOut mry_creature_read_texture(c, i, o, e, p) =>
+        [i.creature, 0, o.at::<[u8; 1024]>().cast(), 4096 * 1024, 0];
+    Id mry_creature_write_glb(c, i, o, e, p) => [i.creature, str(p), 0.0];
+    Id mry_creature_write_folder(c, i, o, e, p) => [i.creature, str(p), 0, 0.0];
+    IdAndOut mry_job_start_track(c, i, o, e, p) => [track(i), o.at()];
+    IdAndOut mry_job_start_segment(c, i, o, e, p) => [segment(i), o.at()];
+    IdAndOut mry_job_start_creature(c, i, o, e, p) => [creature(i), o.at()];
+    IdAndOut mry_job_poll(c, i, o, e, p) => [i.job, o.sized()];
+    Id mry_job_wait(c, i, o, e, p) => [i.job, u64::MAX];
+    Id mry_job_cancel(c, i, o, e, p) => [i.job];
+    IdAndOut mry_job_take_motion(c, i, o, e, p) => [i.job, o.at()];
+    IdAndOut mry_job_take_masks(c, i, o, e, p) => [i.job, o.at()];
+    IdAndOut mry_job_take_creature(c, i, o, e, p) => [i.job, o.at()];
+    IdAndOut mry_run_track(c, i, o, e, p) => [track(i), o.at()];
+    IdAndOut mry_run_segment(c, i, o, e, p) => [segment(i), o.at()];
+    IdAndOut mry_run_creature(c, i, o, e, p) => [creature(i), o.at()];
+};
+
+/// Functions that destroy, and functions without a context.
+const OTHERS: [&str; 25] = [
+    "mry_abi_check",
+    "mry_clip_close",
+    "mry_clip_info_init",
+    "mry_clip_options_init",
+    "mry_context_create",
+    "mry_context_desc_init",
+    "mry_context_destroy",
+    "mry_correction_init",
+    "mry_creature_desc_init",
+    "mry_creature_destroy",
+    "mry_creature_info_init",
+    "mry_error_init",
+    "mry_job_destroy",
+    "mry_job_state_init",
+    "mry_masks_destroy",
+    "mry_masks_info_init",
+    "mry_motion_destroy",
+    "mry_motion_info_init",
+    "mry_part_info_init",
+    "mry_rig_destroy",
+    "mry_segment_desc_init",
+    "mry_status_text",
+    "mry_track_desc_init",
+    "mry_version",
+    "mry_version_string",
+];
+
+#[test]
+fn the_table_of_calls_is_complete() {
+    let mut names: Vec<&str> = CALLS.iter().map(|c| c.0).chain(OTHERS).collect();
+    names.sort_unstable();
+    let exported: Vec<&str> = include_str!("../abi/symbols.txt").lines().collect();
+    assert_eq!(names, exported);
+}
+
+#[test]
+fn without_a_context_every_function_says_so() {
+    for (name, _, run) in CALLS {
+        let mut err = error();
+        let status = run(ptr::null_mut(), Ids::default(), &Outs { null: false }, &mut err, "x");
+        assert_eq!((status, text(&err.param).as_str()), (code(MRY_E_NULL), "context"), "{name}");
+        assert_eq!(err.status, status, "{name}");
+        let small = &mut error();
+        small.struct_size = 8;
+        let status = run(ptr::null_mut(), Ids::default(), &Outs { null: false }, small, "x");
+        assert_eq!(status, code(MRY_E_STRUCT_SIZE), "{name} with an error that is too small");
+    }
+}
+
+#[test]
+fn without_a_place_for_the_answer_every_function_names_it() {
+    let f = fixture();
+    let ids = ids(&f);
+    for (name, has, run) in CALLS.iter().filter(|c| c.1 != Has::Id) {
+        let mut err = error();
+        let status = run(f.context, ids, &Outs { null: true }, &mut err, "x");
+        assert_eq!(status, code(MRY_E_NULL), "{name}: {}", text(&err.message));
+        let param = text(&err.param);
+        assert!(text(&err.message).contains(&param) && !param.is_empty(), "{name}: {}", text(&err.message));
+        assert!(*has != Has::Id);
+    }
+}
+
+#[test]
+fn dead_and_foreign_ids_are_stale_everywhere() {
+    let (f, other) = (fixture(), fixture());
+    let dead = ids(&f);
+    let ids = ids(&other);
+    unsafe {
+        mry_clip_close(f.context, dead.clip);
+        mry_rig_destroy(f.context, dead.rig);
+        mry_motion_destroy(f.context, dead.motion);
+        mry_masks_destroy(f.context, dead.masks);
+        mry_creature_destroy(f.context, dead.creature);
+        mry_job_destroy(f.context, dead.job);
+    }
+    let garbage = Ids {
+        clip: mry_clip { v: u64::MAX },
+        rig: mry_rig { v: u64::MAX },
+        motion: mry_motion { v: u64::MAX },
+        masks: mry_masks { v: u64::MAX },
+        creature: mry_creature { v: u64::MAX },
+        job: mry_job { v: u64::MAX },
+    };
+    for (name, _, run) in CALLS.iter().filter(|c| c.1 != Has::Out) {
+        for (what, ids) in [("null", Ids::default()), ("dead", dead), ("foreign", ids), ("garbage", garbage)] {
+            let mut err = error();
+            let status = run(f.context, ids, &Outs { null: false }, &mut err, "x");
+            assert_eq!(status, code(MRY_E_STALE), "{name}, {what}: {}", text(&err.message));
+            assert!(!text(&err.param).is_empty(), "{name}, {what}");
+        }
+    }
+    assert!(!f.folder.path().join("x").exists() && !std::path::Path::new("x").exists());
+}
+
+#[test]
+fn destroying_nothing_is_no_error_and_destroying_twice_is_one() {
+    let f = fixture();
+    let i = ids(&f);
+    let c = f.context;
+    unsafe {
+        assert_eq!(mry_clip_close(c, mry_clip::default()), OK);
+        assert_eq!(mry_rig_destroy(c, mry_rig::default()), OK);
+        assert_eq!(mry_motion_destroy(c, mry_motion::default()), OK);
+        assert_eq!(mry_masks_destroy(c, mry_masks::default()), OK);
+        assert_eq!(mry_creature_destroy(c, mry_creature::default()), OK);
+        assert_eq!(mry_job_destroy(c, mry_job::default()), OK);
+        assert_eq!(mry_context_destroy(ptr::null_mut()), OK);
+        assert_eq!((mry_clip_close(c, i.clip), mry_clip_close(c, i.clip)), (OK, code(MRY_E_STALE)));
+        assert_eq!((mry_rig_destroy(c, i.rig), mry_rig_destroy(c, i.rig)), (OK, code(MRY_E_STALE)));
+        assert_eq!(mry_clip_close(ptr::null_mut(), i.clip), code(MRY_E_NULL));
+    }
+}
+
+#[test]
+fn a_defect_in_any_function_is_contained_and_poisons_what_it_touched() {
+    use marey_ffi::test_panic::{AT_LOOKUP, AT_START, arm};
+    // The panics are meant; their traces would bury a real one.
+    std::panic::set_hook(Box::new(|_| {}));
+    for (name, _, run) in CALLS {
+        let f = fixture();
+        let mut err = error();
+        unsafe { arm(f.context, AT_START) };
+        let status = run(f.context, Ids::default(), &Outs { null: false }, &mut err, "x");
+        assert_eq!(status, code(MRY_E_PANIC), "{name}");
+        assert!(text(&err.message).contains("a forced defect"), "{name}: {}", text(&err.message));
+        let status = run(f.context, Ids::default(), &Outs { null: false }, &mut err, "x");
+        assert_eq!(status, code(MRY_E_POISONED), "{name}: only destroying works in a poisoned context");
+    }
+    let f = fixture();
+    let i = ids(&f);
+    let mut err = error();
+    unsafe {
+        arm(f.context, AT_LOOKUP);
+        let mut count = 0;
+        assert_eq!(mry_rig_get_limb_count(f.context, i.rig, &mut count, &mut err), code(MRY_E_PANIC));
+        assert_eq!(mry_rig_get_limb_count(f.context, i.rig, &mut count, &mut err), code(MRY_E_POISONED));
+        assert_eq!(text(&err.param), "rig");
+        let mut threads = 0;
+        assert_eq!(mry_context_get_threads(f.context, &mut threads, &mut err), OK, "the rest of the context lives");
+        assert_eq!(mry_rig_destroy(f.context, i.rig), OK);
+        arm(f.context, marey_ffi::test_panic::IN_JOB);
+        let mut motion = mry_motion { v: 3 };
+        assert_eq!(mry_run_track(f.context, &f.track_desc(), &mut motion, &mut err), code(MRY_E_PANIC));
+        assert_eq!(motion.v, 3);
+        assert_eq!(mry_run_track(f.context, &f.track_desc(), &mut motion, &mut err), OK, "a job's defect is its own");
+    }
+    drop(std::panic::take_hook());
+}
+
+#[test]
+fn numbers_that_are_none_and_values_out_of_range_are_refused() {
+    let f = fixture();
+    let i = ids(&f);
+    let (c, mut err) = (f.context, error());
+    let bad = [mry_point { x: 1.0, y: 1.0 }, mry_point { x: f32::NAN, y: 2.0 }];
+    let far = [mry_point { x: 1.0, y: 1.0 }, mry_point { x: f32::INFINITY, y: 2.0 }];
+    let good = [mry_point { x: 1.0, y: 1.0 }, mry_point { x: 30.0, y: 2.0 }];
+    let before = {
+        let mut n = 0;
+        unsafe { mry_rig_get_keyframes(c, i.rig, ptr::null_mut(), 0, &mut n, ptr::null_mut()) };
+        n
+    };
+    let mut stroke = |points: &[mry_point], count: usize, limb: u32, facing: i32| unsafe {
+        mry_rig_set_stroke(c, i.rig, limb, 1, points.as_ptr(), count, facing, &mut err)
+    };
+    assert_eq!(stroke(&bad, 2, 0, 0), code(MRY_E_NON_FINITE));
+    assert_eq!(stroke(&far, 2, 0, 0), code(MRY_E_NON_FINITE));
+    assert_eq!(stroke(&good, 1, 0, 0), code(MRY_E_ARGUMENT));
+    assert_eq!(stroke(&good, 0, 0, 0), code(MRY_E_ARGUMENT));
+    assert_eq!(stroke(&good, usize::MAX, 0, 0), code(MRY_E_LIMIT), "a huge count is not read");
+    assert_eq!(stroke(&good, 2, 1, 0), code(MRY_E_ARGUMENT), "there is one limb");
+    assert_eq!(stroke(&good, 2, 0, 3), code(MRY_E_ARGUMENT));
+    unsafe {
+        assert_eq!(mry_rig_set_stroke(c, i.rig, 0, 1, ptr::null(), 2, 0, &mut err), code(MRY_E_NULL));
+        assert_eq!(text(&err.param), "points");
+        let odd = good.as_ptr().cast::<u8>().add(1).cast();
+        assert_eq!(mry_rig_set_stroke(c, i.rig, 0, 1, odd, 1, 0, &mut err), code(MRY_E_ARGUMENT), "not aligned");
+        for radius in [f32::NAN, f32::INFINITY] {
+            let status = mry_rig_add_paint(c, i.rig, 1, 1, radius, good.as_ptr(), 2, &mut err);
+            assert_eq!(status, code(MRY_E_NON_FINITE));
+        }
+        for (kind, radius) in [(1, 0.0), (1, -1.0), (2, 1.0)] {
+            let status = mry_rig_add_paint(c, i.rig, 1, kind, radius, good.as_ptr(), 2, &mut err);
+            assert_eq!(status, code(MRY_E_ARGUMENT));
+        }
+        let (mut limb, mut rig) = (0, mry_rig::default());
+        assert_eq!(
+            mry_rig_add_limb(c, i.rig, str("body"), 0, &mut limb, &mut err),
+            code(MRY_E_ARGUMENT),
+            "a label twice"
+        );
+        assert_eq!(mry_rig_add_limb(c, i.rig, str("tail"), 9, &mut limb, &mut err), code(MRY_E_ARGUMENT));
+        assert_eq!(mry_rig_add_limb(c, i.rig, str("a\0b"), 0, &mut limb, &mut err), code(MRY_E_STRING));
+        assert_eq!(mry_rig_create(c, 0, 5, &mut rig, &mut err), code(MRY_E_ARGUMENT));
+        assert_eq!(mry_rig_remove_stroke(c, i.rig, 0, 5, &mut err), code(MRY_E_NOT_FOUND));
+        let not_utf8 = mry_str { data: [0xffu8, 0xfe].as_ptr().cast::<c_char>(), len: 2 };
+        assert_eq!(mry_rig_read(c, not_utf8, &mut rig, &mut err), code(MRY_E_STRING));
+        let absurd = mry_str { data: STROKES.as_ptr().cast(), len: usize::MAX / 2 };
+        assert_eq!(mry_rig_from_json(c, absurd, &mut rig, &mut err), code(MRY_E_LIMIT));
+        assert_eq!(mry_rig_read(c, str(""), &mut rig, &mut err), code(MRY_E_ARGUMENT));
+        assert_eq!(mry_rig_read(c, str("/no/such/strokes.json"), &mut rig, &mut err), code(MRY_E_NO_FILE));
+        assert!(text(&err.message).contains("/no/such/strokes.json"));
+        let mut pixels = [0u8; 64];
+        let (p, n) = (pixels.as_mut_ptr(), pixels.len());
+        assert_eq!(mry_clip_read_frame(c, i.clip, FRAMES, p, n, 0, &mut err), code(MRY_E_ARGUMENT));
+        assert_eq!(mry_clip_read_frame(c, i.clip, u64::MAX, p, n, 0, &mut err), code(MRY_E_ARGUMENT));
+        assert_eq!(mry_clip_read_frame(c, i.clip, 0, p, n, 0, &mut err), code(MRY_E_BUFFER_TOO_SMALL));
+        assert_eq!(mry_clip_read_frame(c, i.clip, 0, p, n, 5, &mut err), code(MRY_E_ARGUMENT), "a stride below a row");
+        assert_eq!(mry_clip_read_frame(c, i.clip, 0, p, n, usize::MAX / 2, &mut err), code(MRY_E_ARGUMENT));
+        assert!(pixels.iter().all(|b| *b == 0));
+        let glb = f.path("x.glb");
+        for (scale, expected) in [(f32::NAN, MRY_E_NON_FINITE), (-1.0, MRY_E_ARGUMENT)] {
+            assert_eq!(mry_creature_write_glb(c, i.creature, str(&glb), scale, &mut err), code(expected));
+        }
+        assert!(!std::path::Path::new(&glb).exists());
+        let mut job = mry_job::default();
+        let mut desc = f.track_desc();
+        desc.tracker = str("nobody");
+        assert_eq!(mry_job_start_track(c, &desc, &mut job, &mut err), code(MRY_E_UNSUPPORTED));
+        assert!(text(&err.message).contains("space-time"), "it says what there is");
+    }
+    let after = {
+        let mut n = 0;
+        unsafe { mry_rig_get_keyframes(c, i.rig, ptr::null_mut(), 0, &mut n, ptr::null_mut()) };
+        n
+    };
+    assert_eq!(before, after, "what was refused has changed nothing");
+}
+
+#[test]
+fn short_buffers_are_told_the_count_and_left_alone() {
+    let f = fixture();
+    let i = ids(&f);
+    let (c, mut err) = (f.context, error());
+    unsafe {
+        let (mut bytes, mut size) = ([7 as c_char; 16], 0);
+        assert_eq!(
+            mry_rig_to_json(c, i.rig, bytes.as_mut_ptr(), 16, &mut size, &mut err),
+            code(MRY_E_BUFFER_TOO_SMALL)
+        );
+        assert!(size > 16 && bytes == [7; 16]);
+        let mut json = vec![7 as c_char; size + 1];
+        assert_eq!(mry_rig_to_json(c, i.rig, json.as_mut_ptr(), size, &mut size, &mut err), OK);
+        assert_eq!((json[size - 1], json[size]), (0, 7), "the NUL is counted, and nothing is written behind it");
+        assert_eq!(mry_rig_to_json(c, i.rig, ptr::null_mut(), 5, &mut size, &mut err), code(MRY_E_NULL));
+
+        let (mut points, mut count) = ([mry_point { x: -1.0, y: -1.0 }; 1], 0);
+        let status = mry_rig_get_stroke(c, i.rig, 0, 0, points.as_mut_ptr(), 1, &mut count, ptr::null_mut(), &mut err);
+        assert_eq!((status, count, points[0].x), (code(MRY_E_BUFFER_TOO_SMALL), 2, -1.0));
+
+        let mut visible = [7u8; 1];
+        let none = ptr::null_mut();
+        let p = visible.as_mut_ptr();
+        let status = mry_motion_read_frame(c, i.motion, 0, 0, none, p, ptr::null_mut(), 1, &mut count, &mut err);
+        assert_eq!((status, visible[0]), (code(MRY_E_BUFFER_TOO_SMALL), 7));
+        assert!(count > 1);
+        let mut positions = [7.0f32; 3];
+        let p = positions.as_mut_ptr();
+        let (no, nor) = (ptr::null_mut(), ptr::null_mut());
+        let status = mry_creature_read_vertices(c, i.creature, 0, 0, p, no, nor, 1, &mut count, &mut err);
+        assert_eq!((status, positions), (code(MRY_E_BUFFER_TOO_SMALL), [7.0; 3]));
+        let absurd = mry_creature_read_vertices(c, i.creature, 0, 0, p, no, nor, usize::MAX, &mut count, &mut err);
+        assert_eq!(absurd, code(MRY_E_ARGUMENT));
+    }
+}
+
+#[test]
+fn rows_keep_what_lies_between_them() {
+    let f = fixture();
+    let clip = f.clip();
+    let (width, height) = (SIZE.0 as usize, SIZE.1 as usize);
+    let stride = 3 * width + 10;
+    let mut pixels = vec![7u8; stride * height];
+    let mut tight = vec![0u8; 3 * width * height];
+    unsafe {
+        let last = stride * (height - 1) + 3 * width;
+        let status = mry_clip_read_frame(f.context, clip, 0, pixels.as_mut_ptr(), last, stride, ptr::null_mut());
+        assert_eq!(status, OK, "the last row needs no gap behind it");
+        let status = mry_clip_read_frame(f.context, clip, 0, tight.as_mut_ptr(), tight.len(), 0, ptr::null_mut());
+        assert_eq!(status, OK);
+    }
+    for y in 0..height {
+        let row = &pixels[y * stride..(y + 1) * stride];
+        assert_eq!(row[..3 * width], tight[y * 3 * width..(y + 1) * 3 * width]);
+        assert!(row[3 * width..].iter().all(|b| *b == 7));
+    }
+    let at = |x: usize, y: usize| tight[3 * (y * width + x)];
+    assert!(at(40, 32) < 100 && at(5, 5) > 150, "the picture is the right way round");
+}
+
+/// A description from a header of the future: one field more.
+#[repr(C)]
+struct Newer<T> {
+    desc: T,
+    more: u64,
+}
+
+#[test]
+fn structs_of_other_versions_are_met_by_their_size() {
+    let (mut context, mut err) = (ptr::null_mut(), error());
+    let mut create = |desc: *const mry_context_desc| unsafe { mry_context_create(desc, &mut context, &mut err) };
+    assert_eq!(create(ptr::null()), code(MRY_E_NULL));
+    for size in [0, 4, 31, 1 << 20, u32::MAX] {
+        let desc = mry_context_desc { struct_size: size, ..context_desc(1) };
+        assert_eq!(create(&desc), code(MRY_E_STRUCT_SIZE), "size {size}");
+    }
+    let mut newer = Newer { desc: context_desc(1), more: 1 };
+    newer.desc.struct_size = size_of_val(&newer) as u32;
+    assert_eq!(create(&newer.desc), code(MRY_E_UNSUPPORTED));
+    newer.more = 0;
+    assert_eq!(create(ptr::from_ref(&newer).cast()), OK, "a newer header that asks for nothing new");
+    let f = Fixture { context, folder: tempfile::tempdir().unwrap() };
+    let desc = mry_context_desc { abi_version: 0, ..context_desc(1) };
+    let (mut other, mut err) = (ptr::null_mut(), error());
+    assert_eq!(unsafe { mry_context_create(&desc, &mut other, &mut err) }, code(MRY_E_ABI));
+    let desc = mry_context_desc { threads: 5000, ..context_desc(1) };
+    assert_eq!(unsafe { mry_context_create(&desc, &mut other, &mut err) }, code(MRY_E_ARGUMENT));
+    let desc = mry_context_desc { reserved0: 1, ..context_desc(1) };
+    assert_eq!(unsafe { mry_context_create(&desc, &mut other, &mut err) }, code(MRY_E_UNSUPPORTED));
+    assert!(other.is_null());
+
+    let clip = f.clip();
+    let mut info = Newer { desc: unsafe { std::mem::zeroed::<mry_clip_info>() }, more: 42 };
+    info.desc.struct_size = size_of_val(&info) as u32;
+    let out = ptr::from_mut(&mut info).cast();
+    assert_eq!(unsafe { mry_clip_get_info(f.context, clip, out, &mut err) }, OK);
+    assert_eq!((info.desc.width, info.more), (SIZE.0, 42), "what the library does not know it does not touch");
+    assert_eq!(info.desc.struct_size as usize, size_of_val(&info));
+    info.desc.struct_size = 8;
+    let out = ptr::from_mut(&mut info).cast();
+    assert_eq!(unsafe { mry_clip_get_info(f.context, clip, out, &mut err) }, code(MRY_E_STRUCT_SIZE));
+}
+
+#[test]
+fn a_rig_drawn_by_hand_is_the_rig_that_is_read() {
+    let f = fixture();
+    let (c, mut err) = (f.context, error());
+    let (mut rig, mut limb, mut length) = (mry_rig::default(), 9, 0.0);
+    let points = [mry_point { x: 33.0, y: 32.0 }, mry_point { x: 57.0, y: 32.0 }];
+    unsafe {
+        assert_eq!(mry_rig_create(c, 96, 64, &mut rig, &mut err), OK);
+        assert_eq!(mry_rig_validate(c, rig, mry_clip::default(), &mut err), code(MRY_E_INPUT), "nothing is drawn yet");
+        assert_eq!(mry_rig_add_limb(c, rig, str("body"), MRY_SIDE_UNKNOWN, &mut limb, &mut err), OK);
+        assert_eq!(mry_rig_set_stroke(c, rig, limb, 0, points.as_ptr(), 2, 0, &mut err), OK);
+        assert_eq!(mry_rig_validate(c, rig, f.clip(), &mut err), OK, "{}", text(&err.message));
+        assert_eq!(mry_rig_get_length_hint(c, rig, limb, &mut length, &mut err), OK);
+        assert_eq!(length, 24.0);
+        let path = f.path("strokes.json");
+        assert_eq!(mry_rig_write(c, rig, str(&path), &mut err), OK);
+        let mut read = mry_rig::default();
+        assert_eq!(mry_rig_read(c, str(&path), &mut read, &mut err), OK);
+        let json = |rig| {
+            let (mut bytes, mut size) = (vec![0; 4096], 0);
+            assert_eq!(mry_rig_to_json(c, rig, bytes.as_mut_ptr(), 4096, &mut size, ptr::null_mut()), OK);
+            text(&bytes)
+        };
+        assert_eq!(json(read), json(rig));
+        assert_eq!(json(f.rig()), json(rig));
+        assert_eq!(mry_rig_set_mask(c, rig, 4, str("m.png"), &mut err), OK);
+        assert_eq!(mry_rig_add_paint(c, rig, 4, MRY_PAINT_BACKGROUND, 3.0, points.as_ptr(), 2, &mut err), OK);
+        assert!(json(rig).contains("m.png") && json(rig).contains("background"));
+        assert_eq!(mry_rig_clear_paint(c, rig, 4, &mut err), OK);
+        assert_eq!(mry_rig_set_mask(c, rig, 4, str(""), &mut err), OK);
+        assert_eq!(json(read), json(rig), "what was taken off leaves no empty key frame");
+    }
+}
+
+#[test]
+fn versions_agree_and_every_status_has_words() {
+    let string = unsafe { std::ffi::CStr::from_ptr(mry_version_string()) }.to_str().unwrap();
+    let parts: Vec<u32> = string.split('.').map(|p| p.parse().unwrap()).collect();
+    assert_eq!(mry_version(), parts[0] << 16 | parts[1] << 8 | parts[2]);
+    assert_eq!(string, env!("CARGO_PKG_VERSION"));
+    assert_eq!(mry_abi_check(parts[0] << 16 | parts[1]), OK);
+    assert_eq!(mry_abi_check((parts[0] << 16 | parts[1]) + 1), code(MRY_E_ABI));
+    let header = include_str!("../../include/marey/marey.h");
+    let codes = header.lines().filter_map(|l| l.trim().strip_prefix("MRY_")?.split_once(" = ")?.1.strip_suffix(','));
+    let codes: Vec<i32> = codes.map(|c| c.parse().unwrap()).collect();
+    assert!(codes.len() > 20);
+    for code in codes {
+        assert_ne!(status_text(code), "unknown status", "{code}");
+    }
+    assert_eq!(status_text(-12345), "unknown status");
+}
