@@ -81,8 +81,9 @@ fn motion_around(
         let centre = pose[i].lerp(pose[to], along.abs());
         for across in [-0.6f32, -0.3, 0.0, 0.3, 0.6] {
             let p = centre + normal * (across * radii[i]);
-            let miss = flow.disagreement(back, p) / DISAGREEMENT;
-            samples[n] = (flow.at(p), 1.0 / (1.0 + miss * miss));
+            let there = flow.at(p);
+            let miss = (there + back.at(p + there)).length() / DISAGREEMENT;
+            samples[n] = (there, 1.0 / (1.0 + miss * miss));
             n += 1;
         }
     }

@@ -41,7 +41,9 @@ impl Claims {
 /// Adds one pose to a mask.
 pub(super) fn cover(mask: &mut Mask, pose: &[Vec2], radii: &[f32]) {
     for e in 0..pose.len() - 1 {
-        let steps = (pose[e].distance(pose[e + 1]) / CLAIM_CELL).clamp(1.0, 200.0) as usize;
+        // Discs half a radius apart leave no notch that matters.
+        let step = (0.5 * radii[e].min(radii[e + 1])).max(CLAIM_CELL);
+        let steps = (pose[e].distance(pose[e + 1]) / step).ceil().clamp(1.0, 200.0) as usize;
         for s in 0..=steps {
             let share = s as f32 / steps as f32;
             let centre = pose[e].lerp(pose[e + 1], share) / CLAIM_CELL;

@@ -19,6 +19,7 @@ mod stage_set;
 mod strip;
 mod templates;
 mod tree_dp;
+mod unexplained;
 
 pub use candidates::{Candidate, CostMap};
 pub use params::{LimbParams, Method, PaperParams, TemplateParams};

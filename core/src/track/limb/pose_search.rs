@@ -11,9 +11,9 @@ use super::strip::{Strip, View};
 /// Turns along a limb.
 const CONTROLS: usize = 4;
 /// Partial poses kept at each step.
-const BEAM: usize = 96;
+const BEAM: usize = 64;
 /// Finished poses handed on.
-const FINISHED: usize = 24;
+const FINISHED: usize = 16;
 /// First turns tried, in steps of this many radians, so many either way.
 const FIRST_STEP: f32 = 0.14;
 const FIRST_TURNS: i32 = 9;

@@ -19,6 +19,7 @@ use super::pose_path::{Candidate, PathWeights, best_path, best_paths};
 use super::pose_search;
 use super::solving_order::{Turn, solving_order};
 use super::strip::{Hideable, Strip, View};
+use super::unexplained::Unexplained;
 use crate::clip::Clip;
 use crate::error::Result;
 use crate::job::Stage;
@@ -41,12 +42,12 @@ pub(super) struct Solved {
 }
 
 /// Everything that is known of one limb before it is solved.
-struct Task<'a> {
-    footage: &'a Footage,
-    foreground: &'a Foreground,
-    keys: LimbKeys,
-    strip: Strip,
-    roots: Option<Vec<Vec2>>,
+pub(super) struct Task<'a> {
+    pub(super) footage: &'a Footage,
+    pub(super) foreground: &'a Foreground,
+    pub(super) keys: LimbKeys,
+    pub(super) strip: Strip,
+    pub(super) roots: Option<Vec<Vec2>>,
     claims: Option<&'a Claims>,
     /// Whether others hang from it.
     carries: bool,
@@ -63,7 +64,7 @@ impl Task<'_> {
         }
     }
 
-    fn lengths(&self, frame: usize) -> Vec<f32> {
+    pub(super) fn lengths(&self, frame: usize) -> Vec<f32> {
         let mut lengths = self.keys.lengths(frame);
         lengths.iter_mut().for_each(|l| *l *= self.stretch[frame]);
         lengths
@@ -136,7 +137,7 @@ pub(super) fn solve(
             });
         }
         let ordered = group.iter().any(|t| rig.limbs[t.limb].side == Some(Side::Far));
-        let results = solve_group(&mut tasks, ordered, stage.part(part(i), part(i + 1)))?;
+        let results = solve_group(&mut tasks, &claims, ordered, stage.part(part(i), part(i + 1)))?;
         let radii: Vec<Vec<f32>> = tasks.into_iter().map(|t| t.strip.radii).collect();
         for ((turn, result), radii) in group.iter().zip(results).zip(radii) {
             if rig.limbs[turn.limb].side != Some(Side::Far) {
@@ -327,7 +328,7 @@ const BODY_STRETCH: (f32, f32) = (0.4, 1.6);
 const STRETCH_MEMORY: f32 = 0.99;
 
 /// Solves one limb, or a pair together. `ordered` says that the first of a pair is in front of the second.
-fn solve_group(tasks: &mut [Task<'_>], ordered: bool, stage: Stage<'_>) -> Result<Vec<Solved>> {
+fn solve_group(tasks: &mut [Task<'_>], claims: &Claims, ordered: bool, stage: Stage<'_>) -> Result<Vec<Solved>> {
     let frames = tasks[0].footage.frames();
     let mut lists: Vec<Vec<Vec<Candidate>>> = Vec::with_capacity(tasks.len());
     let mut trusts: Vec<Vec<Vec<f32>>> = Vec::with_capacity(tasks.len());
@@ -358,7 +359,7 @@ fn solve_group(tasks: &mut [Task<'_>], ordered: bool, stage: Stage<'_>) -> Resul
         lists.push(list);
     }
     let tasks = &*tasks;
-    let mut paths = best(tasks, &lists, ordered);
+    let mut paths = best(tasks, &lists, claims, ordered);
     for round in 0..ROUNDS {
         for ((task, list), path) in tasks.iter().zip(&mut lists).zip(&paths) {
             let poses: Vec<Vec<Vec2>> = path.iter().zip(list.iter()).map(|(&i, l)| l[i].pose.clone()).collect();
@@ -373,29 +374,20 @@ fn solve_group(tasks: &mut [Task<'_>], ordered: bool, stage: Stage<'_>) -> Resul
                 list.extend(new);
             }
         }
-        paths = best(tasks, &lists, ordered);
+        paths = best(tasks, &lists, claims, ordered);
     }
     let chosen = |i: usize| paths[i].iter().zip(&lists[i]).map(|(&c, l)| l[c].pose.clone()).collect();
     Ok(trusts.into_iter().enumerate().map(|(i, trust)| Solved { poses: chosen(i), trust }).collect())
 }
 
 /// The best path of one limb, or of two that hide each other.
-fn best(tasks: &[Task<'_>], lists: &[Vec<Vec<Candidate>>], ordered: bool) -> Vec<Vec<usize>> {
+fn best(tasks: &[Task<'_>], lists: &[Vec<Vec<Candidate>>], claims: &Claims, ordered: bool) -> Vec<Vec<usize>> {
     let weights = PathWeights::default();
     match (tasks, lists) {
         ([a, b], [first, second]) => {
             let together: Vec<Vec<f32>> = (0..first.len())
                 .into_par_iter()
-                .map(|f| {
-                    let behind = hiding(a, &first[f], b, f, &second[f]);
-                    if ordered {
-                        return behind;
-                    }
-                    // Nobody said which is in front: whichever order costs less.
-                    let before = hiding(b, &second[f], a, f, &first[f]);
-                    let (n, m) = (first[f].len(), second[f].len());
-                    (0..n * m).map(|k| behind[k].min(before[k % m * n + k / m])).collect()
-                })
+                .map(|f| together([a, b], claims, f, [&first[f], &second[f]], ordered))
                 .collect();
             best_paths([first, second], &together, &weights, [a.roots.as_deref(), b.roots.as_deref()]).into()
         }
@@ -403,21 +395,40 @@ fn best(tasks: &[Task<'_>], lists: &[Vec<Vec<Candidate>>], ordered: bool) -> Vec
     }
 }
 
-/// For every pose of the limb in front, and within it for every one behind, what hiding adds to the latter's cost.
-fn hiding(front: &Task<'_>, poses: &[Candidate], behind: &Task<'_>, f: usize, hidden: &[Candidate]) -> Vec<f32> {
-    let view = behind.view(f);
-    let hideable: Vec<Hideable> = hidden.iter().map(|c| behind.strip.hideable(&view, f, &c.pose)).collect();
-    let mut out = Vec::with_capacity(poses.len() * hidden.len());
-    for candidate in poses {
-        let mut mask = Claims::blank(front.footage);
-        cover(&mut mask, &candidate.pose, &front.strip.radii);
-        out.extend(hideable.iter().map(|h| h.change(&mask)));
+/// For every pose of the first limb, and within it for every one of the second, what the two cost beyond their own
+/// costs: what one hides of the other, and what animal neither covers.
+fn together(tasks: [&Task<'_>; 2], claims: &Claims, f: usize, lists: [&[Candidate]; 2], ordered: bool) -> Vec<f32> {
+    let covers: [Vec<Mask>; 2] = std::array::from_fn(|side| {
+        let mask = |c: &Candidate| {
+            let mut mask = Claims::blank(tasks[side].footage);
+            cover(&mut mask, &c.pose, &tasks[side].strip.radii);
+            mask
+        };
+        lists[side].iter().map(mask).collect()
+    });
+    let hideable: [Vec<Hideable>; 2] = std::array::from_fn(|side| {
+        let view = tasks[side].view(f);
+        lists[side].iter().map(|c| tasks[side].strip.hideable(&view, f, &c.pose)).collect()
+    });
+    let unexplained = Unexplained::new(tasks, claims, f);
+    let bits: [Vec<Vec<u64>>; 2] =
+        std::array::from_fn(|side| covers[side].iter().map(|m| unexplained.covered(m)).collect());
+    let mut out = Vec::with_capacity(lists[0].len() * lists[1].len());
+    for i in 0..lists[0].len() {
+        for j in 0..lists[1].len() {
+            let mut hidden = hideable[1][j].change(&covers[0][i]);
+            if !ordered {
+                // Nobody said which is in front: whichever order costs less.
+                hidden = hidden.min(hideable[0][i].change(&covers[1][j]));
+            }
+            out.push(hidden + unexplained.cost(&bits[0][i], &bits[1][j]));
+        }
     }
     out
 }
 
 /// Rounds of adding poses near the path.
-const ROUNDS: usize = 3;
+const ROUNDS: usize = 2;
 
 /// What a frame starts with: drawn poses alone on key frames; else the carried ones and what a search finds.
 fn first_poses(task: &Task<'_>, f: usize, ahead: &Reached, behind: &Reached) -> Vec<Vec<Vec2>> {

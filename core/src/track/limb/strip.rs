@@ -134,13 +134,12 @@ impl Strip {
     /// The cost of `pose` with what is seen, and how it changes where something in front hides each place.
     pub(super) fn hideable(&self, view: &View<'_>, frame: usize, pose: &[Vec2]) -> Hideable {
         let [before, after] = self.keys_around(frame);
-        let (mut seen, mut samples) = (0.0, Vec::with_capacity((pose.len() - 1) * SAMPLES));
+        let mut samples = Vec::with_capacity((pose.len() - 1) * SAMPLES);
         for e in 0..pose.len() - 1 {
             let at = places(pose[e], pose[e + 1], self.radii[e], self.radii[e + 1]);
             let first = judge(view, &self.keys[before].edges[e], &at);
             let second = judge(view, &self.keys[after].edges[e], &at);
             let key = &self.keys[if first <= second { before } else { after }].edges[e];
-            seen += first.min(second);
             for (sample, &p) in key.iter().zip(&at) {
                 if sample.inside + sample.outside > 0.0 && !view.is_claimed(p) {
                     let cost = judge_one(view, sample, p);
@@ -149,7 +148,7 @@ impl Strip {
                 }
             }
         }
-        Hideable { samples, seen: seen / pose.len() as f32 }
+        Hideable { samples }
     }
 }
 
@@ -158,8 +157,6 @@ impl Strip {
 pub(super) struct Hideable {
     /// Places in claim cells, and what being hidden there adds to the pose's cost.
     samples: Vec<(Vec2, f32)>,
-    /// The looks' cost when nothing is hidden.
-    pub(super) seen: f32,
 }
 
 impl Hideable {
