@@ -259,3 +259,39 @@ impl Views {
         (least, which)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::stage_set::{Bar, scene};
+    use super::*;
+    use glam::vec2;
+
+    #[test]
+    fn coarse_to_fine_finds_what_trying_every_pixel_finds() {
+        let bar = |f: f32| Bar {
+            from: vec2(40.0 + 5.0 * f, 50.0 - 3.0 * f),
+            angle: 0.5 + 0.1 * f,
+            length: 90.0,
+            half_width: 10.0,
+        };
+        let picture = |f: f32| scene((220, 160), &[bar(f)], Vec2::ZERO);
+        // Patches as large as the paper's, so that a quarter of the size still shows something.
+        let quick = PaperParams { window: 48.0, patch: 24.0, ..PaperParams::default() };
+        let brute = PaperParams { coarse_to_fine: false, ..quick.clone() };
+        let (quick, brute) = (Matcher::new(&quick, 1.0), Matcher::new(&brute, 1.0));
+        let (before, after) =
+            (View::new(&picture(0.0), &PaperParams::default()), View::new(&picture(1.0), &PaperParams::default()));
+        let mut agree = 0;
+        for i in 1..9 {
+            let at = bar(0.0).at(i as f32 / 9.0);
+            let mut views = Views::default();
+            views.remember(&before, at, &brute);
+            let exact = views.search(&after, &brute, at, 48.0);
+            let found = views.search(&after, &quick, at, 48.0);
+            assert!(exact[0].at.distance(bar(1.0).at(i as f32 / 9.0)) < 2.0, "{:?}", exact[0]);
+            assert!(exact.windows(2).all(|p| p[0].cost <= p[1].cost) && exact.len() <= 5);
+            agree += usize::from(found[0].at.distance(exact[0].at) < 1.5);
+        }
+        assert!(agree >= 7, "{agree} of 8");
+    }
+}

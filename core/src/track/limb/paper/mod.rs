@@ -13,6 +13,8 @@
 mod appearance;
 mod far_limbs;
 mod pass;
+#[cfg(test)]
+mod tests;
 
 use glam::Vec2;
 use image::RgbImage;
