@@ -66,7 +66,8 @@ pub struct PaperParams {
     pub occlusion_cost: f32,
     /// Weight of the distance and direction terms (paper: 10).
     pub smoothness: f32,
-    /// Points of cost for one mean squared colour difference on a 0..1 scale; the paper leaves the unit open.
+    /// Points of cost for one mean squared colour difference on a 0..1 scale. The paper leaves the unit open; with much
+    /// less, hiding everything and keeping still is cheapest, with much more the limbs fall apart.
     pub colour_unit: f32,
     /// Least distance between two unoccluded candidates; keeps one blob from filling the list.
     pub separation: f32,
@@ -137,7 +138,9 @@ impl PaperParams {
     /// The paper's frame by frame method with all that measured better than its own choices.
     pub fn improved() -> Self {
         Self {
+            occlusion_cost: 3.0,
             smoothness: 2.0,
+            colour_unit: 200_000.0,
             lab: true,
             colour_truncation: 0.09,
             edge_truncation: 8.0,

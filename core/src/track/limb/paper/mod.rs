@@ -67,9 +67,10 @@ pub(super) fn solve(
     for (l, chain) in skeleton.limbs.iter().enumerate() {
         chain.vertices.iter().for_each(|&v| limbs[v].push(l));
     }
+    let neighbours = neighbours(skeleton);
     let far = limbs.iter().map(|of| of.iter().all(|&l| rig.limbs[l].side == Some(Side::Far))).collect();
     let matcher = Matcher::new(&params.paper, scale);
-    let setting = Setting { skeleton, params: &params.paper, scale, matcher, templates, limbs, far };
+    let setting = Setting { skeleton, params: &params.paper, scale, matcher, templates, limbs, neighbours, far };
 
     let (first, last) = match (keys.first(), keys.last()) {
         (Some(first), Some(last)) => (first.0, last.0),
@@ -130,6 +131,7 @@ fn blended(
     let mut out: Vec<Trajectory> = (0..rig.limbs.len()).map(|_| blank()).collect();
     let keys_of: Vec<Vec<usize>> =
         (0..skeleton.len()).map(|v| keys.iter().filter(|k| k.1[v].is_some()).map(|k| k.0).collect()).collect();
+    let (order, parent) = rooted_at_joints(skeleton);
     for frame in 0..ahead.len() {
         let nowhere = Placed { at: Vec2::ZERO, visible: false, sure: 0.0 };
         let both: Vec<(Placed, Placed, f32)> = (0..skeleton.len())
@@ -146,7 +148,7 @@ fn blended(
         let from: Vec<Vec2> = both.iter().map(|b| b.0.at).collect();
         let to: Vec<Vec2> = both.iter().map(|b| b.1.at).collect();
         let share: Vec<f32> = both.iter().map(|b| b.2).collect();
-        let places = blend_tree(&skeleton.order, &skeleton.parent, &from, &to, &share);
+        let places = blend_tree(&order, &parent, &from, &to, &share);
         for (track, chain) in out.iter_mut().zip(&skeleton.limbs) {
             let of = |v: &usize| &both[*v];
             track.poses.push(chain.vertices.iter().map(|&v| places[v] / shrink).collect());
@@ -161,6 +163,46 @@ fn blended(
         }
     }
     out
+}
+
+/// The parent and the children of every vertex.
+fn neighbours(skeleton: &Skeleton) -> Vec<Vec<usize>> {
+    let mut neighbours = vec![Vec::new(); skeleton.len()];
+    for (v, p) in skeleton.parent.iter().enumerate().filter_map(|(v, p)| Some((v, (*p)?))) {
+        neighbours[v].push(p);
+        neighbours[p].push(v);
+    }
+    neighbours
+}
+
+/// Every tree hung from the vertex where most limbs meet: order and parents. Blended angles add up from the root on, so
+/// it should lie on the body and not at the end of a leg.
+fn rooted_at_joints(skeleton: &Skeleton) -> (Vec<usize>, Vec<Option<usize>>) {
+    let neighbours = neighbours(skeleton);
+    let mut roots: Vec<usize> = (0..skeleton.len()).collect();
+    roots.sort_by_key(|&v| (std::cmp::Reverse(neighbours[v].len()), v));
+    let mut parent = vec![None; skeleton.len()];
+    let mut order: Vec<usize> = Vec::with_capacity(skeleton.len());
+    let mut reached = vec![false; skeleton.len()];
+    for root in roots {
+        if reached[root] {
+            continue;
+        }
+        reached[root] = true;
+        let mut next = order.len();
+        order.push(root);
+        while let Some(&v) = order.get(next) {
+            next += 1;
+            for &n in &neighbours[v] {
+                if !reached[n] {
+                    reached[n] = true;
+                    parent[n] = Some(v);
+                    order.push(n);
+                }
+            }
+        }
+    }
+    (order, parent)
 }
 
 /// How far `frame` is on the way from the key frame before to the one after: the backward direction's share.

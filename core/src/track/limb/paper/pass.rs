@@ -34,6 +34,8 @@ pub(super) struct Setting<'a> {
     pub(super) templates: Option<KeyTemplates>,
     /// The limbs of every vertex.
     pub(super) limbs: Vec<Vec<usize>>,
+    /// The parent and the children of every vertex.
+    pub(super) neighbours: Vec<Vec<usize>>,
     /// Whether a vertex belongs to far limbs only.
     pub(super) far: Vec<bool>,
 }
@@ -127,6 +129,7 @@ impl<'a> Pass<'a> {
 
     /// Where the window of every vertex lies: where it was, or where dense flow takes it.
     fn predicted(&mut self, image: &RgbImage) -> Vec<Vec2> {
+        let skeleton = self.setting.skeleton;
         let was = |v: usize| self.followed[v].as_ref().map_or(Vec2::ZERO, |f| f.placed.at);
         let mut centres: Vec<Vec2> = (0..self.followed.len()).map(was).collect();
         if self.setting.params.flow_window.is_none() {
@@ -136,15 +139,27 @@ impl<'a> Pass<'a> {
         if let Some(before) = &self.brightness {
             let flow = FlowField::between(before, &now);
             let size = vec2(image.width() as f32, image.height() as f32);
-            for &v in &self.setting.skeleton.order {
-                let Some(f) = &self.followed[v] else { continue };
-                let at = f.placed.at;
-                let inside = at.cmpge(Vec2::ZERO).all() && at.cmple(size).all();
-                // What hides a vertex moves by itself: a hidden one goes with the limb it hangs from.
-                centres[v] = match self.setting.skeleton.parent[v].filter(|&p| self.followed[p].is_some()) {
-                    Some(p) if !f.placed.visible || !inside => at + centres[p] - was(p),
-                    _ => at + flow.at(at),
-                };
+            // What hides a vertex moves by itself: a hidden one goes with the nearest vertex that is seen.
+            let seen = |v: usize| {
+                let at = self.followed[v].as_ref().filter(|f| f.placed.visible)?.placed.at;
+                (at.cmpge(Vec2::ZERO).all() && at.cmple(size).all()).then(|| flow.at(at))
+            };
+            let mut motion: Vec<Option<Vec2>> = (0..centres.len()).map(seen).collect();
+            let mut front: Vec<usize> = skeleton.order.iter().copied().filter(|&v| motion[v].is_some()).collect();
+            while !front.is_empty() {
+                let mut next = Vec::new();
+                for v in front {
+                    for &n in &self.setting.neighbours[v] {
+                        if motion[n].is_none() {
+                            motion[n] = motion[v];
+                            next.push(n);
+                        }
+                    }
+                }
+                front = next;
+            }
+            for (centre, motion) in centres.iter_mut().zip(motion) {
+                *centre += motion.unwrap_or(Vec2::ZERO);
             }
         }
         self.brightness = Some(now);

@@ -94,22 +94,24 @@ fn both_directions_meet_and_key_frames_and_joints_hold() {
 #[test]
 fn a_limb_is_hidden_behind_a_post_and_found_again() {
     let limb = |f: usize| Bar { from: vec2(30.0 + 6.0 * f as f32, 70.0), angle: 0.2, length: 50.0, half_width: 9.0 };
-    let post = Bar { from: vec2(112.0, -20.0), angle: 1.5708, length: 260.0, half_width: 9.0 };
+    let post = Bar { from: vec2(112.0, -20.0), angle: 1.5708, length: 260.0, half_width: 12.0 };
     let flat = |p: image::Rgb<u8>| image::Rgb([p.0[2] / 2, p.0[2] / 2, 130]);
     let picture = |f: usize| {
         let mut image = scene(SIZE, &[limb(f)], Vec2::ZERO);
         let posts = scene(SIZE, &[post], Vec2::ZERO);
         for (x, y, p) in image.enumerate_pixels_mut() {
-            if (x as f32 - 112.0).abs() < 9.0 {
+            if (x as f32 - 112.0).abs() < 5.0 {
                 *p = flat(*posts.get_pixel(x, y));
             }
         }
         image
     };
     let clip = clip(21, picture);
-    let motion = track(PaperParams::improved(), &clip, &rig(1, [(0, vec![stroke(0, &limb(0))])]));
+    // Flow is lost at the post, so look as far around as the paper does.
+    let wide = PaperParams { flow_window: Some(64.0), ..PaperParams::improved() };
+    let motion = track(wide, &clip, &rig(1, [(0, vec![stroke(0, &limb(0))])]));
     let n = motion.tracks[0].frames[0].points.len();
-    let behind = |f: usize, i: usize| (limb(f).at(i as f32 / (n - 1) as f32).x - 112.0).abs() < 5.0;
+    let behind = |f: usize, i: usize| (limb(f).at(i as f32 / (n - 1) as f32).x - 112.0).abs() < 4.0;
     let (mut hidden, mut seen) = ((0, 0), (0, 0));
     for f in 1..21 {
         for (i, visible) in motion.tracks[0].frames[f].visible.iter().enumerate() {
