@@ -1,8 +1,8 @@
 //! What was understood, over the clip: strokes, visibility, trust, masks and key frames, as a GIF.
 //!
 //! Each limb has a colour, shared by the two of a pair; the far one is dashed and dimmer. A line fades where its
-//! place is trusted less; a vertex is a disc where it is seen and a ring where it is hidden. Outside the mask the
-//! picture is dimmed and grey, and the mask is outlined. The bar at the bottom shows the time and the key frames.
+//! place is trusted less; a vertex is a disc where it is seen and a ring where it is hidden. The mask is
+//! outlined and a little tinted, and outside it the picture is dimmed and grey. The bar at the bottom shows the time and the key frames.
 
 use glam::Vec2;
 use image::RgbImage;
@@ -109,6 +109,11 @@ fn show_mask(image: &mut RgbImage, mask: &Mask) {
         }
     }
     for (pixel, &inside) in image.as_flat_samples_mut().samples.chunks_exact_mut(3).zip(&inside) {
+        if inside > 0 {
+            for (value, tint) in pixel.iter_mut().zip(OUTLINE.map(u32::from)) {
+                *value = ((27 * u32::from(*value) + 5 * tint) / 32) as u8;
+            }
+        }
         if inside < 4 {
             let [r, g, b] = [pixel[0], pixel[1], pixel[2]].map(u32::from);
             let grey = (2 * r + 5 * g + b) / 8;

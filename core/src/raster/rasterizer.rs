@@ -131,12 +131,19 @@ impl Rasterizer {
         let weighted = order.map(|i| attribute[i] * w[i]);
         let inverse = order.map(|i| w[i]);
         let scale = 1.0 / area as f32;
+        // The edge functions are linear: a step to the right or down adds the same whole number everywhere.
+        let corner = [x0 * snap_step + snap_step / 2, y0 * snap_step + snap_step / 2];
+        let pairs = [(1, 2), (2, 0), (0, 1)];
+        let mut line_start = pairs.map(|(a, b)| edge(p[a], p[b], corner));
+        let right = pairs.map(|(a, b)| (p[a][1] - p[b][1]) * snap_step);
+        let down = pairs.map(|(a, b)| (p[b][0] - p[a][0]) * snap_step);
         for y in y0..y1 {
-            let row = y * snap_step + snap_step / 2;
+            let mut next = line_start;
+            line_start = [0, 1, 2].map(|i| line_start[i] + down[i]);
             for x in x0..x1 {
-                let c = [x * snap_step + snap_step / 2, row];
-                let e = [edge(p[1], p[2], c), edge(p[2], p[0], c), edge(p[0], p[1], c)];
-                if (0..3).any(|i| e[i] + bias[i] < 0) {
+                let e = next;
+                next = [0, 1, 2].map(|i| e[i] + right[i]);
+                if (e[0] + bias[0]) | (e[1] + bias[1]) | (e[2] + bias[2]) < 0 {
                     continue;
                 }
                 let share = e.map(|e| e as f32 * scale);
@@ -158,7 +165,8 @@ impl Rasterizer {
                     Surface::Clay(rgb) => Vec3::from(rgb.map(f32::from)) * a.z,
                     Surface::Bare => Vec3::ZERO,
                 };
-                let [r, g, b] = rgb.to_array().map(|v| v.round().clamp(0.0, 255.0) as u8);
+                // The cast cuts off at both ends.
+                let [r, g, b] = rgb.to_array().map(|v| (v + 0.5) as u8);
                 self.color.put_pixel(x as u32, y as u32, image::Rgba([r, g, b, 255]));
             }
         }
