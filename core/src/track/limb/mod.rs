@@ -3,6 +3,7 @@
 mod candidates;
 mod carry;
 mod claims;
+mod confidence;
 mod footage;
 mod foreground;
 mod limb_keys;

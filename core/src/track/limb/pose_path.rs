@@ -57,7 +57,31 @@ pub(super) fn best_path(lists: &[Vec<Candidate>], weights: &PathWeights, roots: 
     path
 }
 
-/// The same for two limbs at once. `together[f]` holds for every candidate of the first limb, and within it for every
+/// For every candidate of every frame, the cost of the best path through it.
+pub(super) fn path_costs(lists: &[Vec<Candidate>], weights: &PathWeights, roots: Option<&[Vec2]>) -> Vec<Vec<f32>> {
+    let steps: Vec<Vec<f32>> =
+        (1..lists.len()).map(|f| step_costs(&lists[f - 1], &lists[f], weights, drift(roots, f))).collect();
+    let own = |f: usize| lists[f].iter().map(|c| c.cost).collect::<Vec<f32>>();
+    let mut totals = vec![own(0)];
+    for f in 1..lists.len() {
+        let rows = steps[f - 1].chunks_exact(lists[f - 1].len());
+        let reached = rows.zip(own(f)).map(|(row, c)| c + least(row.iter().zip(&totals[f - 1]).map(|(s, t)| s + t)).1);
+        let reached = reached.collect();
+        totals.push(reached);
+    }
+    // Backward: what remains after each candidate.
+    let mut rest = vec![0.0f32; lists.last().map_or(0, Vec::len)];
+    for f in (1..lists.len()).rev() {
+        let (n, after) = (lists[f - 1].len(), own(f));
+        totals[f].iter_mut().zip(&rest).for_each(|(t, r)| *t += r);
+        rest =
+            (0..n).map(|a| least((0..after.len()).map(|b| steps[f - 1][b * n + a] + after[b] + rest[b])).1).collect();
+    }
+    totals[0].iter_mut().zip(&rest).for_each(|(t, r)| *t += r);
+    totals
+}
+
+/// The best candidates of two limbs at once. `together[f]` holds for every candidate of the first limb, and within it for every
 /// one of the second, what the two cost in frame `f` beyond their own costs.
 pub(super) fn best_paths(
     lists: [&[Vec<Candidate>]; 2],
@@ -149,4 +173,67 @@ fn step_cost(a: &Candidate, b: &Candidate, weights: &PathWeights, drift: Vec2) -
         sum += weights.still * moved * moved;
     }
     sum / n as f32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::vec2;
+
+    fn candidate(x: f32, cost: f32) -> Candidate {
+        Candidate { pose: vec![vec2(0.0, 0.0), vec2(x, 100.0)], cost, next: None, last: None }
+    }
+
+    fn lists(shift: u32) -> Vec<Vec<Candidate>> {
+        // Costs and places from a small multiplicative generator.
+        let mut seed = 12_345u32 + shift;
+        let mut next = || {
+            seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            (seed >> 8) as f32 / (1 << 24) as f32
+        };
+        (0..4).map(|_| (0..4).map(|_| candidate(80.0 * next(), 0.1 * next())).collect()).collect()
+    }
+
+    fn cost(lists: &[Vec<Candidate>], path: &[usize]) -> f32 {
+        let own: f32 = path.iter().zip(lists).map(|(&i, l)| l[i].cost).sum();
+        let weights = PathWeights::default();
+        let step = |f: usize| step_cost(&lists[f - 1][path[f - 1]], &lists[f][path[f]], &weights, Vec2::ZERO);
+        own + (1..lists.len()).map(step).sum::<f32>()
+    }
+
+    fn all_paths() -> impl Iterator<Item = Vec<usize>> {
+        (0..256).map(|n| (0..4).map(|f| n >> (2 * f) & 3).collect())
+    }
+
+    #[test]
+    fn the_path_is_the_cheapest_of_all_and_path_costs_say_so() {
+        let lists = lists(0);
+        let weights = PathWeights::default();
+        let path = best_path(&lists, &weights, None);
+        let least = all_paths().map(|p| cost(&lists, &p)).fold(f32::INFINITY, f32::min);
+        assert!((cost(&lists, &path) - least).abs() < 1e-5);
+        let through = path_costs(&lists, &weights, None);
+        for f in 0..4 {
+            for i in 0..4 {
+                let best = all_paths().filter(|p| p[f] == i).map(|p| cost(&lists, &p)).fold(f32::INFINITY, f32::min);
+                assert!((through[f][i] - best).abs() < 1e-5);
+            }
+        }
+    }
+
+    #[test]
+    fn two_limbs_are_solved_exactly_together() {
+        let (a, b) = (lists(0), lists(7));
+        // The same index for both is forbidden.
+        let together: Vec<Vec<f32>> =
+            (0..4).map(|_| (0..16).map(|k| if k / 4 == k % 4 { 5.0 } else { 0.0 }).collect()).collect();
+        let [first, second] = best_paths([&a, &b], &together, &PathWeights::default(), [None, None]);
+        assert!(first.iter().zip(&second).all(|(i, j)| i != j));
+        let least = all_paths()
+            .flat_map(|p| all_paths().map(move |q| (p.clone(), q)))
+            .filter(|(p, q)| p.iter().zip(q).all(|(i, j)| i != j))
+            .map(|(p, q)| cost(&a, &p) + cost(&b, &q))
+            .fold(f32::INFINITY, f32::min);
+        assert!((cost(&a, &first) + cost(&b, &second) - least).abs() < 1e-4);
+    }
 }

@@ -10,15 +10,16 @@ use rayon::prelude::*;
 
 use super::carry::carry;
 use super::claims::{Claims, cover};
+use super::confidence::{Evidence, spread};
 use super::footage::Footage;
 use super::foreground::Foreground;
 use super::limb_keys::LimbKeys;
 use super::limb_width::half_widths;
 use super::params::LimbParams;
-use super::pose_path::{Candidate, PathWeights, best_path, best_paths};
+use super::pose_path::{Candidate, PathWeights, best_path, best_paths, path_costs};
 use super::pose_search;
 use super::solving_order::{Turn, solving_order};
-use super::strip::{Hideable, Strip, View};
+use super::strip::{CLAIM_CELL, Hideable, Strip, View};
 use super::unexplained::Unexplained;
 use crate::clip::Clip;
 use crate::error::Result;
@@ -38,7 +39,8 @@ pub(super) struct Trajectory {
 #[derive(Clone, Debug)]
 pub(super) struct Solved {
     pub(super) poses: Vec<Vec<Vec2>>,
-    pub(super) trust: Vec<Vec<f32>>,
+    pub(super) visible: Vec<Vec<bool>>,
+    pub(super) confidence: Vec<Vec<f32>>,
 }
 
 /// Everything that is known of one limb before it is solved.
@@ -195,22 +197,13 @@ fn twin(rig: &Rig, turns: &[Turn], turn: Turn) -> Option<Turn> {
 }
 
 fn finish(solved: Solved, reversed: bool, scale: f32) -> Trajectory {
-    let turned = |points: Vec<Vec2>| -> Vec<Vec2> {
-        let clip = points.into_iter().map(|p| p / scale);
-        if reversed { clip.rev().collect() } else { clip.collect() }
-    };
-    let poses: Vec<Vec<Vec2>> = solved.poses.into_iter().map(turned).collect();
-    let visible = poses.iter().map(|p| vec![true; p.len()]).collect();
-    let confidence = solved
-        .trust
-        .into_iter()
-        .map(|mut t| {
-            if reversed {
-                t.reverse();
-            }
-            t
-        })
-        .collect();
+    let Solved { mut poses, mut visible, mut confidence } = solved;
+    poses.iter_mut().flatten().for_each(|p| *p /= scale);
+    if reversed {
+        poses.iter_mut().for_each(|p| p.reverse());
+        visible.iter_mut().for_each(|v| v.reverse());
+        confidence.iter_mut().for_each(|c| c.reverse());
+    }
     Trajectory { poses, visible, confidence }
 }
 
@@ -376,8 +369,56 @@ fn solve_group(tasks: &mut [Task<'_>], claims: &Claims, ordered: bool, stage: St
         }
         paths = best(tasks, &lists, claims, ordered);
     }
-    let chosen = |i: usize| paths[i].iter().zip(&lists[i]).map(|(&c, l)| l[c].pose.clone()).collect();
-    Ok(trusts.into_iter().enumerate().map(|(i, trust)| Solved { poses: chosen(i), trust }).collect())
+    let mut solved: Vec<Solved> = Vec::with_capacity(count);
+    for (i, task) in tasks.iter().enumerate() {
+        let poses: Vec<Vec<Vec2>> = paths[i].iter().zip(&lists[i]).map(|(&c, l)| l[c].pose.clone()).collect();
+        // Of a pair in known order, the second may be behind the first.
+        let front = if ordered && i > 0 { tasks.first().zip(solved.first()) } else { None };
+        let costs = path_costs(&lists[i], &PathWeights::default(), task.roots.as_deref());
+        let evidence = evidence(task, &poses, &lists[i], &costs, &trusts[i], front);
+        let visible = evidence.iter().map(|e| e.iter().map(|e| !e.hidden).collect()).collect();
+        let confidence = evidence.iter().map(|e| e.iter().map(Evidence::confidence).collect()).collect();
+        solved.push(Solved { poses, visible, confidence });
+    }
+    Ok(solved)
+}
+
+/// What is known of every vertex in every frame.
+fn evidence(
+    task: &Task<'_>,
+    poses: &[Vec<Vec2>],
+    lists: &[Vec<Candidate>],
+    costs: &[Vec<f32>],
+    trusts: &[Vec<f32>],
+    front: Option<(&Task<'_>, &Solved)>,
+) -> Vec<Vec<Evidence>> {
+    (0..poses.len())
+        .map(|f| {
+            let pose = &poses[f];
+            let view = task.view(f);
+            let mut mask = Claims::blank(task.footage);
+            if let Some((near, solved)) = front {
+                cover(&mut mask, &solved.poses[f], &near.strip.radii);
+            }
+            let length: f32 = task.lengths(f).iter().sum::<f32>().max(1.0);
+            let spread = spread(pose, &lists[f], &costs[f]);
+            let keys = task.strip.keys_around(f);
+            let misfit = |e: usize| task.strip.edge_cost(&view, keys, e, pose[e], pose[e + 1]);
+            (0..pose.len())
+                .map(|v| {
+                    let cell = pose[v] / CLAIM_CELL;
+                    let outside = task.footage.lab[f].at(pose[v]).is_none();
+                    Evidence {
+                        spread: spread[v] / length,
+                        misfit: 0.5 * (misfit(v.saturating_sub(1)) + misfit(v.min(pose.len() - 2))),
+                        trust: trusts[f][v],
+                        hidden: outside || view.is_claimed(pose[v]) || mask.at(cell.x as isize, cell.y as isize),
+                        along: v as f32 / (pose.len() - 1) as f32,
+                    }
+                })
+                .collect()
+        })
+        .collect()
 }
 
 /// The best path of one limb, or of two that hide each other.

@@ -67,7 +67,7 @@ pub(super) struct View<'a> {
 
 impl View<'_> {
     #[inline]
-    fn is_claimed(&self, p: Vec2) -> bool {
+    pub(super) fn is_claimed(&self, p: Vec2) -> bool {
         self.claimed.is_some_and(|m| m.at((p.x / CLAIM_CELL) as isize, (p.y / CLAIM_CELL) as isize))
     }
 }
