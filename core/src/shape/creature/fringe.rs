@@ -13,7 +13,9 @@ use rayon::prelude::*;
 
 use super::limb::LimbShape;
 use super::tube::{orient_outward, smooth_normals};
+use crate::error::Result;
 use crate::geometry::TriMesh;
+use crate::job::Stage;
 use crate::raster::{Grid, Mask, Rasterizer};
 
 /// At most so many frames, evenly over the clip, are asked whether a pixel moves with a limb.
@@ -56,30 +58,36 @@ pub(super) fn patches(
     masks: &[Mask],
     front: &Rasterizer,
     step: f32,
-) -> Vec<Option<Patch>> {
+    stage: Stage<'_>,
+) -> Result<Vec<Option<Patch>>> {
     let mask = &masks[rest];
     let (width, height) = (mask.width(), mask.height());
     let witnesses: Vec<usize> = (0..masks.len()).step_by(masks.len().div_ceil(WITNESSES).max(1)).collect();
     let normals: Vec<Vec<Vec<Vec2>>> =
         limbs.iter().map(|l| witnesses.iter().map(|&f| l.normals(f)).collect()).collect();
     let rest_normals: Vec<Vec<Vec2>> = limbs.iter().map(|l| l.normals(rest)).collect();
-    let owners: Vec<u16> = (0..height)
+    let rows: Vec<Vec<u16>> = (0..height)
         .into_par_iter()
-        .flat_map_iter(|y| {
-            let (normals, rest_normals, witnesses) = (&normals, &rest_normals, &witnesses);
-            (0..width).map(move |x| {
+        .map(|y| {
+            stage.at(0.0)?;
+            let of_pixel = |x: usize| {
                 if !mask.get(x, y) || front.id.get(x, y) != Rasterizer::NOTHING {
                     return 0;
                 }
                 let p = vec2(x as f32 + 0.5, y as f32 + 0.5);
-                owner(p, limbs, rest, rest_normals, normals, witnesses, masks)
-            })
+                owner(p, limbs, rest, &rest_normals, &normals, &witnesses, masks)
+            };
+            Ok((0..width).map(of_pixel).collect())
         })
-        .collect();
+        .collect::<Result<_>>()?;
+    let owners = rows.concat();
     let owners = Grid::from_vec(width, height, owners);
     (0..limbs.len())
         .into_par_iter()
-        .map(|l| sheet(&limbs[l], l, rest, &rest_normals[l], &owners, mask, front, step))
+        .map(|l| {
+            stage.at(0.5)?;
+            Ok(sheet(&limbs[l], l, rest, &rest_normals[l], &owners, mask, front, step))
+        })
         .collect()
 }
 
@@ -145,7 +153,6 @@ struct Lattice {
     height: Grid<f32>,
 }
 
-#[allow(clippy::too_many_arguments)]
 fn sheet(
     limb: &LimbShape,
     l: usize,

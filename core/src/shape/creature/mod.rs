@@ -12,6 +12,9 @@ mod refine;
 mod texture;
 mod tube;
 
+#[cfg(test)]
+mod tests;
+
 use image::RgbImage;
 use rayon::prelude::*;
 
@@ -72,16 +75,15 @@ pub fn reconstruct(
     let twins: Vec<Option<usize>> = (0..rig.limbs.len()).map(|l| rig.twin(l)).collect();
     let labels = label_all(rig, motion, masks, stage.part(0.0, 0.3))?;
     let min_vote = params.min_vote * paper_scale(size);
-    let mut votes = radius::vote(&axes, &labels, min_vote, stage.part(0.3, 0.35))?;
+    let votes = radius::vote(&axes, &labels, min_vote, stage.part(0.3, 0.35))?;
     let mut radii = radius::fit(&axes, &votes, &twins, params);
     for round in 0..params.settling_rounds {
         let fraction = 0.35 + 0.2 * f64::from(round) / f64::from(params.settling_rounds);
         for (l, axis) in axes.iter_mut().enumerate() {
             stage.at(fraction)?;
-            let own: Vec<&radius::Votes> = votes.iter().map(|f| &f[l]).collect();
-            refine::settle(axis, l, &own, &radii[l], skeleton.limbs[l].terminal, &labels);
+            refine::settle(axis, l, &radii[l], skeleton.limbs[l].terminal, &labels);
         }
-        votes = radius::vote(&axes, &labels, min_vote, stage.part(fraction, fraction))?;
+        let votes = radius::vote(&axes, &labels, min_vote, stage.part(fraction, fraction))?;
         radii = radius::fit(&axes, &votes, &twins, params);
     }
     for (l, r) in radii.iter_mut().enumerate() {
@@ -277,7 +279,7 @@ fn build_parts(
     let mut front = texture::visibility(tubes.iter().map(|t| &t.mesh), image.dimensions());
     let step = params.patch_step.max(0.5) * paper_scale(image.dimensions());
     let patches = if params.fill_silhouette {
-        fringe::patches(limbs, rest, masks, &front, step)
+        fringe::patches(limbs, rest, masks, &front, step, stage.part(0.2, 0.5))?
     } else {
         vec![None; limbs.len()]
     };

@@ -48,9 +48,8 @@ fn parabola_rise(flat: f32, arc: f32) -> f32 {
     low
 }
 
-/// For every frame whether a limb that leaves the image plane does so toward the viewer (1) or away (-1): the flag of
-/// the nearest key frame that has one, where frames without foreshortening lie between them the earlier one's; a limb
-/// without a flag points at the viewer.
+/// For every frame whether a limb that leaves the image plane does so toward the viewer (1) or away (-1): as the
+/// nearest key frame with a flag says (the earlier of two as near). A limb without any flag points at the viewer.
 pub(super) fn facing_over_time(rig: &Rig, limb: usize, reversed: bool, frames: usize) -> Vec<f32> {
     let flags: Vec<(usize, f32)> = rig
         .keys_of(limb)

@@ -1,19 +1,19 @@
 //! Settles tracked axes into the masks: a tube should fill its limb's pixels on both sides in every frame.
 //!
-//! Tracking follows marks on the skin and is off by some pixels; the masks know where the limb ends. Where a frame's
-//! marching votes on both sides disagree with the limb's radii in opposite ways, the axis lies beside the middle. The
+//! Tracking follows marks on the skin and is off by some pixels; the masks know where the limb ends. Where the borders
+//! of the limb's pixels across the axis disagree with its radii in opposite ways, the axis lies beside the middle. The
 //! wanted shifts are noisy and have gaps, so the shift that is applied is the smooth one that explains them best: a
 //! least-squares problem along the limb (one tridiagonal system, robust weights), then blended over neighbouring
 //! frames. Free ends are treated alike along the limb: the whole limb stretches until its tip meets the mask's.
 //!
-//! Source: our own; the votes are those of Reinert 2016, section 3.7.1. Limit: limbs that are covered over a long time
+//! Source: our own, by the marching of Reinert 2016, section 3.7.1. Limit: limbs that are covered over a long time
 //! stay where the tracker put them.
 
 use glam::Vec2;
 use rayon::prelude::*;
 
 use super::axis::{Axis, normals};
-use super::radius::{Radii, Votes};
+use super::radius::Radii;
 use crate::raster::Grid;
 
 /// How stiff the shift is along the limb, for a limb of a hundred samples.
@@ -22,6 +22,10 @@ const STIFFNESS: f32 = 60.0;
 const STAY: f32 = 0.05;
 /// What a vote counts when the other side was not seen.
 const ONE_SIDED: f32 = 0.25;
+/// What a vote counts where the tracker saw nothing.
+const UNSEEN: f32 = 0.4;
+/// Length of a step of a march, in pixels.
+const STEP: f32 = 0.5;
 /// Shifts beyond this share of the limb's radius are doubted.
 const DOUBT: f32 = 0.8;
 /// A tip moves at most by this share of the limb's length.
@@ -36,20 +40,15 @@ struct Wish {
     weight: f32,
 }
 
-/// Moves all frames of an axis by what its `votes` (`[frame]`) say against its radii. `free_end` tells whether nothing
-/// hangs from the limb's end, `labels` who owns the pixels.
-pub(super) fn settle(
-    axis: &mut Axis,
-    limb: usize,
-    votes: &[&Votes],
-    radii: &Radii,
-    free_end: bool,
-    labels: &[Grid<u16>],
-) {
-    let frames = axis.frames.len();
-    let solved: Vec<Vec<Wish>> = votes.par_iter().map(|v| solve(&wishes(v, radii), axis)).collect();
+/// Moves all frames of an axis to where the limb's radii fit its pixels. `labels` tells who owns the pixels
+/// (limb index + 1), `free_end` whether nothing hangs from the limb's end.
+pub(super) fn settle(axis: &mut Axis, limb: usize, radii: &Radii, free_end: bool, labels: &[Grid<u16>]) {
+    let frames = axis.frames.len().min(labels.len());
+    let label = limb as u16 + 1;
+    let solved: Vec<Vec<Wish>> =
+        (0..frames).into_par_iter().map(|f| solve(&wishes(axis, f, radii, label, &labels[f]), axis)).collect();
     let stretches: Vec<Option<f32>> = if free_end {
-        let past = tip_lengths(axis, limb as u16 + 1, labels);
+        let past = tip_lengths(axis, label, labels);
         let mut known: Vec<f32> = past.iter().flatten().copied().collect();
         known.sort_by(f32::total_cmp);
         let usual = known.get(known.len() / 2).copied();
@@ -83,25 +82,61 @@ pub(super) fn settle(
                 .collect()
         })
         .collect();
-    axis.frames = moved;
+    for (frame, points) in axis.frames.iter_mut().zip(moved) {
+        *frame = points;
+    }
 }
 
-/// What each sample's votes want.
-fn wishes(votes: &Votes, radii: &Radii) -> Vec<Wish> {
-    (0..radii.left.len())
+/// What each sample wants: the limb's own pixels along the normal are a run, whose borders should lie at the radii.
+fn wishes(axis: &Axis, frame: usize, radii: &Radii, label: u16, labels: &Grid<u16>) -> Vec<Wish> {
+    let points = &axis.frames[frame];
+    let normals = normals(points);
+    (0..points.len())
         .map(|i| {
-            let excess = |vote: &[Option<f32>], radius: &[f32]| Some(vote.get(i).copied().flatten()? - radius[i]);
-            let (left, right) = (excess(&votes.left, &radii.left), excess(&votes.right, &radii.right));
-            let (shift, weight) = match (left, right) {
-                (Some(l), Some(r)) => ((l - r) / 2.0, 1.0),
-                (Some(l), None) => (l, ONE_SIDED),
-                (None, Some(r)) => (-r, ONE_SIDED),
+            let (left, right) = (radii.left[i], radii.right[i]);
+            let run = own_run(points[i], normals[i], label, labels, left + right);
+            let (shift, weight) = match run {
+                (Some(high), Some(low)) => ((high - left + low + right) / 2.0, 1.0),
+                (Some(high), None) => (high - left, ONE_SIDED),
+                (None, Some(low)) => (low + right, ONE_SIDED),
                 (None, None) => (0.0, 0.0),
             };
-            let doubt = DOUBT * (radii.left[i] + radii.right[i]) / 2.0;
-            Wish { shift, weight: weight / (1.0 + (shift / doubt.max(1.0)).powi(2)).powi(2) }
+            let doubt = (DOUBT * (left + right) / 2.0).max(1.0);
+            let seen = if axis.visible[frame][i] { 1.0 } else { UNSEEN };
+            Wish { shift, weight: seen * weight / (1.0 + (shift / doubt).powi(2)).powi(2) }
         })
         .collect()
+}
+
+/// The borders of the limb's own run of pixels along `normal`, as distances along it (the far border, the near one):
+/// the run around `start`, or the nearest one within `reach` where `start` lies in the background. A border toward
+/// another limb or the image's end is unknown.
+fn own_run(start: Vec2, normal: Vec2, label: u16, labels: &Grid<u16>, reach: f32) -> (Option<f32>, Option<f32>) {
+    let owner = |t: f32| {
+        let p = start + normal * t;
+        let within = p.x >= 0.0 && p.y >= 0.0 && p.x < labels.width() as f32 && p.y < labels.height() as f32;
+        within.then(|| labels.get(p.x as usize, p.y as usize))
+    };
+    let border = |from: f32, step: f32| {
+        let mut t = from;
+        loop {
+            match owner(t) {
+                Some(l) if l == label => t += step,
+                Some(0) => return Some(t),
+                _ => return None,
+            }
+        }
+    };
+    let inside = match owner(0.0) {
+        Some(l) if l == label => Some(0.0),
+        Some(0) => {
+            let steps = (reach / STEP).clamp(0.0, 4096.0) as usize;
+            let places = (1..=steps).flat_map(|k| [k as f32 * STEP, -(k as f32) * STEP]);
+            places.into_iter().find(|t| owner(*t) == Some(label))
+        }
+        _ => None,
+    };
+    inside.map_or((None, None), |t| (border(t, STEP), border(t, -STEP)))
 }
 
 /// The smooth shift x that minimises sum w (x - wish)^2 + STAY x^2 + stiffness (x' )^2, with the weight of the votes
