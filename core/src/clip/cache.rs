@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use super::Picture;
+use super::source::Damage;
 use super::yuv::Planes;
 
 /// A decoded picture, as far as it has been needed.
@@ -11,7 +12,7 @@ use super::yuv::Planes;
 pub(super) enum Entry {
     Picture(Arc<Picture>),
     Planes(Arc<Planes>),
-    Damaged(Arc<str>),
+    Damaged(Arc<Damage>),
 }
 
 impl Entry {
@@ -19,7 +20,7 @@ impl Entry {
         match self {
             Self::Picture(p) => p.rgb.as_raw().len() + p.alpha.as_ref().map_or(0, |a| a.as_raw().len()),
             Self::Planes(p) => p.bytes(),
-            Self::Damaged(why) => why.len(),
+            Self::Damaged(damage) => damage.why.len(),
         }
     }
 }

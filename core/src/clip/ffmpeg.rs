@@ -17,7 +17,7 @@ use std::thread::JoinHandle;
 use image::RgbImage;
 use serde::Deserialize;
 
-use super::source::{Decoded, Source, Stream};
+use super::source::{Damage, Decoded, Source, Stream};
 use super::yuv::ColorSpace;
 use super::{ClipInfo, ClipOptions, Opened, Picture, check_pixels};
 use crate::error::{Error, Result};
@@ -354,10 +354,11 @@ impl Stream for Frames {
             number,
             match self.read() {
                 Some(Ok(picture)) => Decoded::Picture(Arc::new(picture)),
-                Some(Err(why)) => Decoded::Damaged(why),
+                Some(Err(why)) => Decoded::Damaged(Damage { why, first: number }),
                 None => {
                     self.next = self.job.frames;
-                    Decoded::Damaged(format!("ffmpeg gave no more frames: {}", self.complaint()))
+                    let why = format!("ffmpeg gave no more frames: {}", self.complaint());
+                    Decoded::Damaged(Damage { why, first: number })
                 }
             },
         )))

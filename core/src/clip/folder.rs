@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 use image::{DynamicImage, ImageDecoder, ImageReader};
 
-use super::source::{Decoded, Source, Stream};
+use super::source::{Damage, Decoded, Source, Stream};
 use super::{Attempt, ClipInfo, ClipOptions, Opened, Picture, check_pixels};
 use crate::error::{Error, Result};
 
@@ -202,7 +202,7 @@ impl Stream for Images {
             number,
             match read(&self.series, path) {
                 Ok(picture) => Decoded::Picture(Arc::new(picture)),
-                Err(why) => Decoded::Damaged(format!("{}: {why}", name_of(path))),
+                Err(why) => Decoded::Damaged(Damage { why: format!("{}: {why}", name_of(path)), first: number }),
             },
         )))
     }

@@ -245,16 +245,21 @@ impl Clip {
                 self.pool.keep(number, Entry::Picture(Arc::clone(&picture)));
                 Ok(picture)
             }
-            Some(Entry::Damaged(why)) => Err(self.damaged(index, number, &why)),
-            None => Err(self.damaged(index, number, "the file ends before it")),
+            Some(Entry::Damaged(damage)) => Err(self.damaged(index, number, &damage.why, damage.first)),
+            None => Err(self.damaged(index, number, "the file ends before it", number)),
         }
     }
 
-    fn damaged(&self, index: usize, number: usize, why: &str) -> Error {
-        // What precedes it in the same run of decoding came out well, or it would have been the first to fail.
-        let good = match number - self.pool.restart(number) {
-            0 => "the frames before it are not touched".to_owned(),
-            run => format!("the {} frames before it are good", run.min(index)),
+    /// The error of a frame, which says how many frames before the damage are known to be good: those of the same run
+    /// of decoding, or the first spoiled one would have been another.
+    fn damaged(&self, index: usize, number: usize, why: &str, first: usize) -> Error {
+        let first_frame = index.saturating_sub(number.saturating_sub(first));
+        let run = first.saturating_sub(self.pool.restart(number)).min(first_frame);
+        let place = if first_frame == index { "it".to_owned() } else { format!("frame {first_frame}") };
+        let good = match run {
+            0 => format!("the frames before {place} are not touched by it"),
+            1 => format!("the frame before {place} is good"),
+            run => format!("the {run} frames before {place} are good"),
         };
         Error::file(&self.name, format!("frame {index} cannot be decoded: {why}"), good)
     }

@@ -9,7 +9,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 
 use super::cache::{Cache, Entry};
-use super::source::{Decoded, Source, Stream};
+use super::source::{Damage, Decoded, Source, Stream};
 use crate::error::Result;
 
 /// A stream a little before the restart point of a request still serves it better than a new decoder.
@@ -81,7 +81,10 @@ impl Pool {
 
         // Decoders of other people's making meet files of nobody's making: one that panics spoils its frame only.
         let guarded = |work: &mut dyn FnMut() -> Result<_>| catch_unwind(AssertUnwindSafe(work)).ok();
-        let failed = || Ok(Some(Entry::Damaged("its data makes the decoder fail".into())));
+        let failed = || {
+            let damage = Damage { why: "its data makes the decoder fail".to_owned(), first: picture };
+            Ok(Some(Entry::Damaged(Arc::new(damage))))
+        };
         let mut stream = idle.map(|idle| idle.stream);
         let found = loop {
             let next = guarded(&mut || {
@@ -96,7 +99,7 @@ impl Pool {
             let entry = match decoded {
                 Decoded::Picture(p) => Entry::Picture(p),
                 Decoded::Planes(p) => Entry::Planes(Arc::new(p)),
-                Decoded::Damaged(why) => Entry::Damaged(why.into()),
+                Decoded::Damaged(damage) => Entry::Damaged(Arc::new(damage)),
             };
             let mut state = self.lock();
             state.cache.insert(number, entry.clone());

@@ -36,6 +36,15 @@ pub(super) enum Decoded {
     Picture(Arc<Picture>),
     /// Planes whose conversion to colours is left to whoever asks for the picture, on their own thread.
     Planes(Planes),
-    /// The data of this picture is damaged, and this is how.
-    Damaged(String),
+    /// The data of this picture is damaged.
+    Damaged(Damage),
+}
+
+/// Why a picture cannot be had.
+#[derive(Debug)]
+pub(super) struct Damage {
+    /// What is wrong with its data, or with the data that it builds on.
+    pub(super) why: String,
+    /// The first picture that the same damage spoils; those before it, from where decoding began, are good.
+    pub(super) first: usize,
 }

@@ -109,7 +109,7 @@ enum Disposal {
     Restore(Vec<u8>),
 }
 
-fn start(path: &Path, max_bytes: u64) -> Result<Box<dyn Frames>> {
+fn start(path: &Path, _whole_bytes: u64, max_bytes: u64) -> Result<Box<dyn Frames>> {
     let not_png = |e: &dyn std::fmt::Display| {
         Error::file(path, format!("is no readable PNG: {e}"), "expected an animation; save it again")
     };
@@ -189,5 +189,46 @@ fn put(to: &mut [u8], from: [u8; 4], blend: BlendOp) {
             to[c] = ((u32::from(from[c]) * over + u32::from(to[c]) * under + both / 2) / both) as u8;
         }
         to[3] = ((both + 127) / 255) as u8;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn disposal_and_blending_follow_the_specification() {
+        let dir = tempfile::tempdir().expect("a folder");
+        let path = dir.path().join("disposal.png");
+        let mut encoder = png::Encoder::new(File::create(&path).expect("created"), 4, 4);
+        encoder.set_color(ColorType::Rgba);
+        encoder.set_animated(4, 0).expect("animated");
+        encoder.set_frame_delay(1, 10).expect("delayed");
+        let mut writer = encoder.write_header().expect("begun");
+        let mut write = |at: u32, side: u32, colour: [u8; 4], dispose, blend| {
+            writer.reset_frame_position().expect("placed");
+            writer.set_frame_dimension(side, side).expect("sized");
+            writer.set_frame_position(at, at).expect("placed");
+            writer.set_dispose_op(dispose).expect("set");
+            writer.set_blend_op(blend).expect("set");
+            writer.write_image_data(&colour.repeat((side * side) as usize)).expect("written");
+        };
+        write(0, 4, [200, 0, 0, 255], DisposeOp::None, BlendOp::Source);
+        write(1, 2, [0, 200, 0, 255], DisposeOp::Background, BlendOp::Source);
+        // What is restored after this one is the canvas with the green cleared away.
+        write(1, 2, [0, 0, 200, 255], DisposeOp::Previous, BlendOp::Source);
+        write(0, 1, [250, 250, 250, 51], DisposeOp::None, BlendOp::Over);
+        writer.finish().expect("ended");
+        let clip = crate::clip::Clip::open(&path).expect("opened");
+        let seen = |frame, x, y| {
+            let picture = clip.frame(frame).expect("decoded");
+            let alpha = picture.alpha.as_ref().map_or(255, |a| a.get_pixel(x, y).0[0]);
+            (picture.rgb.get_pixel(x, y).0, alpha)
+        };
+        assert_eq!([seen(1, 0, 0), seen(1, 1, 1)], [([200, 0, 0], 255), ([0, 200, 0], 255)]);
+        assert_eq!(seen(2, 2, 2), ([0, 0, 200], 255));
+        assert_eq!(seen(3, 2, 2).1, 0, "cleared before, restored to cleared");
+        assert_eq!(seen(3, 0, 0), ([210, 50, 50], 255), "a fifth of 250 over red");
+        assert_eq!(clip.info().fps, 10.0);
     }
 }

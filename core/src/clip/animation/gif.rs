@@ -117,7 +117,7 @@ struct Area {
     height: usize,
 }
 
-fn start(path: &Path, max_bytes: u64) -> Result<Box<dyn Frames>> {
+fn start(path: &Path, _whole_bytes: u64, max_bytes: u64) -> Result<Box<dyn Frames>> {
     let file = File::open(path).map_err(|e| Error::io(path, "open", e))?;
     let mut options = gif::DecodeOptions::new();
     options.set_color_output(gif::ColorOutput::RGBA);
@@ -171,5 +171,42 @@ impl Frames for GifFrames {
             }
         }
         Ok(Picture::from_rgba(&self.canvas, width as u32, height as u32))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::borrow::Cow;
+
+    use super::*;
+
+    #[test]
+    fn each_way_of_disposal_leaves_its_canvas() {
+        let dir = tempfile::tempdir().expect("a folder");
+        let path = dir.path().join("disposal.gif");
+        let palette = [200, 0, 0, 0, 200, 0, 0, 0, 200, 250, 250, 250];
+        let mut encoder = gif::Encoder::new(File::create(&path).expect("created"), 4, 4, &palette).expect("begun");
+        let mut write = |left, top, side: u16, colour, dispose| {
+            let buffer = Cow::Owned(vec![colour; usize::from(side * side)]);
+            let frame = gif::Frame { left, top, width: side, height: side, dispose, buffer, ..gif::Frame::default() };
+            encoder.write_frame(&frame).expect("written");
+        };
+        write(0, 0, 4, 0, DisposalMethod::Keep);
+        write(1, 1, 2, 1, DisposalMethod::Previous);
+        write(0, 0, 1, 2, DisposalMethod::Background);
+        // Half of this one lies outside.
+        write(3, 3, 2, 3, DisposalMethod::Keep);
+        drop(encoder);
+        let clip = crate::clip::Clip::open(&path).expect("opened");
+        let seen = |frame, x, y| {
+            let picture = clip.frame(frame).expect("decoded");
+            let alpha = picture.alpha.as_ref().map_or(255, |a| a.get_pixel(x, y).0[0]);
+            (picture.rgb.get_pixel(x, y).0, alpha)
+        };
+        const RED: ([u8; 3], u8) = ([200, 0, 0], 255);
+        assert_eq!([seen(1, 0, 0), seen(1, 2, 2)], [RED, ([0, 200, 0], 255)]);
+        assert_eq!([seen(2, 0, 0), seen(2, 2, 2)], [([0, 0, 200], 255), RED]);
+        assert_eq!([seen(3, 3, 3), seen(3, 2, 2)], [([250; 3], 255), RED]);
+        assert_eq!(seen(3, 0, 0).1, 0, "cleared to nothing");
     }
 }

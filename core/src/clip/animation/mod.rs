@@ -11,7 +11,7 @@ use std::io::{Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use super::source::{Decoded, Source, Stream};
+use super::source::{Damage, Decoded, Source, Stream};
 use super::{Attempt, ClipInfo, ClipOptions, Opened, Picture, check_pixels};
 use crate::error::{Error, Result};
 
@@ -26,6 +26,8 @@ struct Index {
     height: u32,
     /// Seconds for which each whole frame is shown.
     delays: Vec<f64>,
+    /// Bytes up to the end of the last whole frame.
+    whole_bytes: u64,
     /// What is wrong with the file after the last whole frame.
     problem: Option<String>,
 }
@@ -35,12 +37,14 @@ trait Frames: Send {
     fn next(&mut self) -> std::result::Result<Picture, String>;
 }
 
-/// A decoder at the first frame of a file; `max_bytes` is what it may allocate for one frame.
-type Start = fn(&Path, max_bytes: u64) -> Result<Box<dyn Frames>>;
+/// A decoder at the first frame of a file, of which the first `whole_bytes` are whole; `max_bytes` is what it may
+/// allocate for one frame.
+type Start = fn(&Path, whole_bytes: u64, max_bytes: u64) -> Result<Box<dyn Frames>>;
 
 struct Animation {
     path: PathBuf,
     frames: usize,
+    whole_bytes: u64,
     max_bytes: u64,
     start: Start,
 }
@@ -56,14 +60,14 @@ fn opened(
     claimed: Option<usize>,
     start: Start,
 ) -> Attempt<Opened> {
-    let Index { width, height, mut delays, problem } = index;
+    let Index { width, height, mut delays, whole_bytes, problem } = index;
     delays.truncate(claimed.unwrap_or(usize::MAX).min(MAX_FRAMES));
-    check_pixels(path, width, height, options)?;
     let frames = delays.len();
     if frames == 0 {
         let problem = problem.unwrap_or_else(|| "holds no frames".to_owned());
         return Err(Error::file(path, problem, "expected an animation; save it again").into());
     }
+    check_pixels(path, width, height, options)?;
     let mut warnings = Vec::new();
     let missing = claimed.is_some_and(|c| c > frames);
     if let Some(problem) = problem.or_else(|| missing.then(|| "ends early".to_owned())) {
@@ -81,7 +85,7 @@ fn opened(
     let fps = super::mean_fps(&times, delays[frames - 1]);
     let info = ClipInfo { width, height, frames, fps, source, warnings };
     let max_bytes = options.max_pixels.saturating_mul(8);
-    let source = Box::new(Animation { path: path.to_owned(), frames, max_bytes, start });
+    let source = Box::new(Animation { path: path.to_owned(), frames, whole_bytes, max_bytes, start });
     Ok(Opened { info, times, pictures: None, source })
 }
 
@@ -91,7 +95,7 @@ impl Source for Animation {
     }
 
     fn stream(&self, _picture: usize) -> Result<Box<dyn Stream>> {
-        let decoder = (self.start)(&self.path, self.max_bytes)?;
+        let decoder = (self.start)(&self.path, self.whole_bytes, self.max_bytes)?;
         Ok(Box::new(Playing { decoder, next: 0, frames: self.frames, broken: None }))
     }
 
@@ -116,12 +120,14 @@ impl Stream for Playing {
         }
         self.next += 1;
         let decoded = match self.broken {
-            Some(broken) => Decoded::Damaged(format!("it builds on frame {broken}, which is damaged")),
+            Some(first) => {
+                Decoded::Damaged(Damage { why: format!("it builds on frame {first}, which is damaged"), first })
+            }
             None => match self.decoder.next() {
                 Ok(picture) => Decoded::Picture(Arc::new(picture)),
                 Err(why) => {
                     self.broken = Some(number);
-                    Decoded::Damaged(why)
+                    Decoded::Damaged(Damage { why, first: number })
                 }
             },
         };

@@ -1,7 +1,7 @@
 //! Animated WebP (RFC 9649): chunks walked for the index, pictures composed by the `image` crate's decoder.
 
 use std::fs::File;
-use std::io::{BufReader, Read, Seek};
+use std::io::{BufReader, Read, Seek, Take};
 use std::path::Path;
 
 use image_webp::WebPDecoder;
@@ -58,6 +58,7 @@ fn scan_chunks<R: Read + Seek>(walk: &mut Walk<R>, index: &mut Index) -> std::io
             return cut(walk);
         }
         index.delays.extend(shown);
+        index.whole_bytes = walk.at;
         if index.delays.len() >= MAX_FRAMES {
             return Ok(Some(format!("has more than {MAX_FRAMES} frames")));
         }
@@ -66,16 +67,17 @@ fn scan_chunks<R: Read + Seek>(walk: &mut Walk<R>, index: &mut Index) -> std::io
 }
 
 struct WebPFrames {
-    decoder: WebPDecoder<BufReader<File>>,
+    decoder: WebPDecoder<BufReader<Take<File>>>,
     buffer: Vec<u8>,
 }
 
-fn start(path: &Path, max_bytes: u64) -> Result<Box<dyn Frames>> {
+fn start(path: &Path, whole_bytes: u64, max_bytes: u64) -> Result<Box<dyn Frames>> {
     let not_webp = |e: &dyn std::fmt::Display| {
         Error::file(path, format!("is no readable WebP: {e}"), "expected an animation; save it again")
     };
     let file = File::open(path).map_err(|e| Error::io(path, "open", e))?;
-    let mut decoder = WebPDecoder::new(BufReader::new(file)).map_err(|e| not_webp(&e))?;
+    // The decoder refuses a file that ends within a frame; without that frame it is whole.
+    let mut decoder = WebPDecoder::new(BufReader::new(file.take(whole_bytes))).map_err(|e| not_webp(&e))?;
     decoder.set_memory_limit(usize::try_from(max_bytes).unwrap_or(usize::MAX));
     // Without it the decoder leaves what a frame asks to have cleared.
     decoder.set_background_color([0; 4]).map_err(|e| not_webp(&e))?;

@@ -12,7 +12,7 @@ use openh264::formats::YUVSource;
 use super::Movie;
 use super::sps::Sps;
 use super::track::Track;
-use crate::clip::source::{Decoded, Stream};
+use crate::clip::source::{Damage, Decoded, Stream};
 use crate::clip::yuv::Planes;
 use crate::error::{Error, Result};
 
@@ -79,6 +79,8 @@ pub(super) struct H264Stream {
     /// Places of the pictures that went in and have not come out.
     inside: BTreeSet<u32>,
     ready: VecDeque<(usize, Decoded)>,
+    /// The start that has been tried again with a new decoder.
+    tried_again: Option<usize>,
     sample: Vec<u8>,
     packet: Vec<u8>,
 }
@@ -94,6 +96,7 @@ impl H264Stream {
             next: start,
             inside: BTreeSet::new(),
             ready: VecDeque::new(),
+            tried_again: None,
             sample: Vec::new(),
             packet: Vec::new(),
         })
@@ -127,6 +130,11 @@ impl H264Stream {
                     add(nal);
                 }
                 SLICE | IDR_SLICE => {
+                    // The first slice begins with macroblock 0 (first_mb_in_slice, 7.3.3, is the bit 1). The decoder
+                    // would take one that does not for a later slice, and wait.
+                    if !has_slice && nal.get(1).is_none_or(|b| b & 0x80 == 0) {
+                        return Err("is damaged".to_owned());
+                    }
                     has_slice = true;
                     add(nal);
                 }
@@ -154,26 +162,62 @@ impl H264Stream {
             }
         }
         for place in std::mem::take(&mut self.inside) {
-            self.ready.push_back((place as usize, Decoded::Damaged("the decoder gave no picture for it".to_owned())));
+            let why = format!("the decoder gave no picture for its data at byte {}", self.offset_of(place));
+            let first = place as usize;
+            self.ready.push_back((first, Decoded::Damaged(Damage { why, first })));
         }
+    }
+
+    /// After damage the decoder forgets the good pictures that it still held: decodes those once more, up to the damage.
+    fn recover(&mut self) -> Result<()> {
+        /// Damage that stops the picture short is noticed with the next sample only, so a few before it are suspect.
+        const SUSPECTS: usize = 3;
+        let lost = std::mem::take(&mut self.inside);
+        let Some(&first) = lost.first() else { return Ok(()) };
+        let is_lost = |place: usize| lost.contains(&(place as u32));
+        let start = self.movie.starts[self.movie.start_before(first as usize)] as usize;
+        let mut saved = BTreeSet::new();
+        for stop in (self.next.saturating_sub(SUSPECTS)..=self.next).rev().filter(|&stop| stop > start) {
+            let mut again = Self::new(Arc::clone(&self.movie), start)?;
+            while again.next < stop && again.decode().is_ok() {
+                again.next += 1;
+                again.ready.retain(|(place, _)| is_lost(*place));
+            }
+            again.flush();
+            // With a picture for every sample, each surely has its own.
+            if again.next == stop && again.ready.iter().all(|(_, d)| !matches!(d, Decoded::Damaged(_))) {
+                again.ready.retain(|(place, _)| is_lost(*place));
+                saved.extend(again.ready.iter().map(|(place, _)| *place as u32));
+                self.ready.extend(again.ready);
+                break;
+            }
+        }
+        for &place in lost.difference(&saved) {
+            let why = format!("its data at byte {} is damaged", self.offset_of(place));
+            self.ready.push_back((place as usize, Decoded::Damaged(Damage { why, first: place as usize })));
+        }
+        Ok(())
+    }
+
+    fn offset_of(&self, place: u32) -> u64 {
+        self.movie.track.samples[self.movie.shown[place as usize] as usize].offset
     }
 
     /// After damage: what was good comes out, everything up to the next start is damaged, and decoding goes on there.
     fn skip_damage(&mut self, why: &str) -> Result<()> {
-        self.flush();
+        self.recover()?;
         let starts = &self.movie.starts;
         let resume = starts.get(starts.partition_point(|&s| s as usize <= self.next));
         let resume = resume.map_or(self.movie.whole, |&s| s as usize);
         let at = self.movie.track.samples[self.next].offset;
-        let broken = self.movie.rank[self.next];
-        for sample in self.next..resume {
-            let place = self.movie.rank[sample];
-            let why = if sample == self.next {
-                format!("its data at byte {at} {why}")
-            } else {
-                format!("it builds on frame {broken}, whose data at byte {at} {why}")
-            };
-            self.ready.push_back((place as usize, Decoded::Damaged(why)));
+        let spoiled = &self.movie.rank[self.next..resume];
+        // Damage can also show as a picture that never came out.
+        let missing = self.ready.iter().filter(|(_, d)| matches!(d, Decoded::Damaged(_))).map(|(place, _)| *place);
+        let first = spoiled.iter().map(|&place| place as usize).chain(missing).min().unwrap_or(0);
+        for (i, &place) in spoiled.iter().enumerate() {
+            let whose = if i == 0 { "its data" } else { "it builds on data" };
+            let why = format!("{whose} at byte {at} {}{why}", if i == 0 { "" } else { "that " });
+            self.ready.push_back((place as usize, Decoded::Damaged(Damage { why, first })));
         }
         self.ready.make_contiguous().sort_by_key(|r| r.0);
         self.next = resume;
@@ -204,7 +248,7 @@ fn take(movie: &Movie, inside: &mut BTreeSet<u32>, ready: &mut VecDeque<(usize, 
         }
         Decoded::Planes(Planes { width, height, data, color: movie.color, orientation: movie.track.orientation })
     } else {
-        Decoded::Damaged("changes the size of the picture".to_owned())
+        Decoded::Damaged(Damage { why: "it changes the size of the picture".to_owned(), first: place as usize })
     };
     ready.push_back((place as usize, decoded));
 }
@@ -216,7 +260,14 @@ impl Stream for H264Stream {
                 return Ok(Some(out));
             }
             if self.next < self.movie.whole {
+                let at_start = self.movie.starts.binary_search(&(self.next as u32)).is_ok();
                 match self.decode() {
+                    // What the decoder minds may be the sample before.
+                    Err(_) if at_start && self.tried_again != Some(self.next) => {
+                        self.tried_again = Some(self.next);
+                        self.recover()?;
+                        self.decoder = new_decoder(&self.movie)?;
+                    }
                     Ok(()) => self.next += 1,
                     Err(why) => self.skip_damage(&why)?,
                 }
