@@ -9,7 +9,7 @@ use std::time::Instant;
 use crate::clip::Clip;
 use crate::error::{Error, Result};
 use crate::export::report::Report;
-use crate::export::{CreatureFiles, FolderOptions, write_creature};
+use crate::export::{CreatureFiles, FolderOptions, check_creature_folder, write_creature};
 use crate::job::Stage;
 use crate::motion::Motion;
 use crate::raster::Mask;
@@ -112,6 +112,7 @@ pub fn creature_to_folder(
     files: &FolderOptions,
     stage: Stage<'_>,
 ) -> Result<Outcome> {
+    check_creature_folder(target)?;
     let mut outcome = creature(clip, rig, options, stage.part(0.0, COMPUTED))?;
     outcome.report = outcome.write(clip, rig, target, files, stage.part(COMPUTED, 1.0))?;
     Ok(outcome)

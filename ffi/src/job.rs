@@ -13,7 +13,7 @@ use std::time::{Duration, Instant};
 
 use marey::clip::Clip;
 use marey::export::report::Report;
-use marey::export::{FolderOptions, write_mask_folder};
+use marey::export::{FolderOptions, check_mask_folder, write_mask_folder};
 use marey::job::Progress;
 use marey::motion::Motion;
 use marey::pipeline::{self, PipelineOptions};
@@ -369,6 +369,9 @@ impl Call<'_> {
             fits(motion, &clip, &rig)?;
         }
         Ok(Box::new(move |progress| {
+            if let Some(folder) = &folder {
+                check_mask_folder(folder.as_ref())?;
+            }
             let stage = progress.whole();
             let began = Instant::now();
             let motion = match given {

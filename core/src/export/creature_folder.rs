@@ -53,6 +53,18 @@ impl Default for FolderOptions {
     }
 }
 
+/// Whether a creature may be written into `target`: better asked before the work than after it.
+///
+/// # Errors
+/// What [`write_creature`] would say of the target.
+pub fn check_creature_folder(target: &Path) -> Result<()> {
+    StagedFolder::begin(target, is_ours).map(drop)
+}
+
+fn is_ours(name: &str) -> bool {
+    OURS.contains(&name)
+}
+
 /// Writes the folder, whole or not at all, and adds to `report` what was written and how long it took.
 ///
 /// # Errors
@@ -66,7 +78,7 @@ pub fn write_creature(
     stage: Stage<'_>,
 ) -> Result<()> {
     let &CreatureFiles { clip, rig, motion, masks, model } = files;
-    let folder = StagedFolder::begin(target, |name| OURS.contains(&name))?;
+    let folder = StagedFolder::begin(target, is_ours)?;
 
     stage.name("writing creature.glb")?;
     let began = Instant::now();

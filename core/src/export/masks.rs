@@ -23,9 +23,20 @@ pub fn write_masks(folder: &Path, masks: &[Mask], stage: Stage<'_>) -> Result<()
     })
 }
 
+/// Whether masks may be written into `target`: better asked before the work than after it.
+///
+/// # Errors
+/// What [`write_mask_folder`] would say of the target.
+pub fn check_mask_folder(target: &Path) -> Result<()> {
+    StagedFolder::begin(target, is_ours).map(drop)
+}
+
+fn is_ours(name: &str) -> bool {
+    name == REPORT || is_frame(name, "png")
+}
+
 /// The output of a segmentation alone: the masks and report.json, put into `target` whole or not at all.
 pub fn write_mask_folder(target: &Path, masks: &[Mask], report: &Report, stage: Stage<'_>) -> Result<()> {
-    let is_ours = |name: &str| name == REPORT || is_frame(name, "png");
     let folder = StagedFolder::begin(target, is_ours)?;
     write_masks(folder.path(), masks, stage)?;
     folder.write(REPORT, report.to_json().as_bytes())?;

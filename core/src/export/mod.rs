@@ -14,9 +14,9 @@ mod preview;
 pub mod report;
 mod write_aside;
 
-pub use creature_folder::{CreatureFiles, FolderOptions, write_creature};
+pub use creature_folder::{CreatureFiles, FolderOptions, check_creature_folder, write_creature};
 pub use folder::StagedFolder;
-pub use masks::{write_mask_folder, write_masks};
+pub use masks::{check_mask_folder, write_mask_folder, write_masks};
 pub use obj::write_obj;
 pub use overlay::overlay;
 pub use preview::preview;
