@@ -94,7 +94,7 @@ fn both_directions_meet_and_key_frames_and_joints_hold() {
 #[test]
 fn a_limb_is_hidden_behind_a_post_and_found_again() {
     let limb = |f: usize| Bar { from: vec2(30.0 + 6.0 * f as f32, 70.0), angle: 0.2, length: 50.0, half_width: 9.0 };
-    let post = Bar { from: vec2(112.0, -20.0), angle: 1.5708, length: 260.0, half_width: 12.0 };
+    let post = Bar { from: vec2(112.0, -20.0), angle: std::f32::consts::FRAC_PI_2, length: 260.0, half_width: 12.0 };
     let flat = |p: image::Rgb<u8>| image::Rgb([p.0[2] / 2, p.0[2] / 2, 130]);
     let picture = |f: usize| {
         let mut image = scene(SIZE, &[limb(f)], Vec2::ZERO);
