@@ -205,7 +205,13 @@ fn sheet(
     };
     let own =
         Grid::from_vec(columns, rows, (0..columns * rows).map(|i| share(i % columns, i / columns, &owned)).collect());
-    let core = thick_enough(&own);
+    let part = |x: isize, y: isize| mask.at(x, y) && front.id.get(x as usize, y as usize) == l as u16;
+    let touching = Grid::from_vec(
+        columns,
+        rows,
+        (0..columns * rows).map(|i| share(i % columns, i / columns, &part) > 0.0).collect(),
+    );
+    let core = shapes(&own, &touching);
     if !core.data().iter().any(|&c| c) {
         return None;
     }
@@ -231,8 +237,9 @@ fn sheet(
     mesh_of(limb, rest, normals, &lattice)
 }
 
-/// The owned lattice points of components that are thick enough somewhere to be a shape.
-fn thick_enough(own: &Grid<f32>) -> Grid<bool> {
+/// The owned lattice points of components that are thick enough somewhere to be a shape and touch the limb's own tube:
+/// what floats belongs to something that no stroke marks.
+fn shapes(own: &Grid<f32>, tube: &Grid<bool>) -> Grid<bool> {
     let (w, h) = (own.width(), own.height());
     let mut keep = Grid::new(w, h, false);
     let mut seen = Grid::new(w, h, false);
@@ -242,7 +249,7 @@ fn thick_enough(own: &Grid<f32>) -> Grid<bool> {
         }
         let (mut waiting, mut members) = (vec![start], Vec::new());
         seen.data_mut()[start] = true;
-        let mut thick = false;
+        let (mut thick, mut touches) = (false, false);
         while let Some(i) = waiting.pop() {
             members.push(i);
             let (x, y) = ((i % w) as isize, (i / w) as isize);
@@ -250,6 +257,7 @@ fn thick_enough(own: &Grid<f32>) -> Grid<bool> {
                 .iter()
                 .map(|(dx, dy)| own.clamped(x + dx, y + dy))
                 .fold(1.0, f32::min);
+            touches |= [(0, 0), (1, 0), (-1, 0), (0, 1), (0, -1)].iter().any(|(dx, dy)| tube.clamped(x + dx, y + dy));
             thick |= own.data()[i] > 0.99 && whole > THIN;
             for (dx, dy) in [(1, 0), (-1, 0), (0, 1), (0, -1)] {
                 let (nx, ny) = (x + dx, y + dy);
@@ -262,7 +270,7 @@ fn thick_enough(own: &Grid<f32>) -> Grid<bool> {
                 }
             }
         }
-        if thick {
+        if thick && touches {
             members.iter().for_each(|&i| keep.data_mut()[i] = true);
         }
     }

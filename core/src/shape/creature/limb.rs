@@ -17,6 +17,8 @@ pub(super) struct LimbShape {
     pub twin: Option<usize>,
     /// The limb it hangs from, and whether from that limb's end (else its start), counted from the root.
     pub parent: Option<(usize, bool)>,
+    /// Whether other limbs are joined to its start and to its end.
+    pub joined: (bool, bool),
     /// The axis in the image.
     pub axis: Axis,
     /// The axis' depth toward the viewer, `[frame][sample]`.

@@ -76,19 +76,20 @@ pub fn reconstruct(
     let labels = label_all(rig, motion, masks, stage.part(0.0, 0.3))?;
     let min_vote = params.min_vote * paper_scale(size);
     let votes = radius::vote(&axes, &labels, min_vote, stage.part(0.3, 0.35))?;
-    let mut radii = radius::fit(&axes, &votes, &twins, params);
+    let parents: Vec<Option<usize>> = skeleton.limbs.iter().map(|c| c.parent).collect();
+    let mut radii = radius::fit(&axes, &votes, &twins, &parents, params);
     for round in 0..params.settling_rounds {
         let fraction = 0.35 + 0.2 * f64::from(round) / f64::from(params.settling_rounds);
         for (l, axis) in axes.iter_mut().enumerate() {
             stage.at(fraction)?;
-            refine::settle(axis, l, &radii[l], skeleton.limbs[l].terminal, &labels);
+            refine::settle(axis, l, &radii[l], skeleton.limbs[l].terminal, &labels, params.settling_stiffness);
         }
         let votes = radius::vote(&axes, &labels, min_vote, stage.part(fraction, fraction))?;
-        radii = radius::fit(&axes, &votes, &twins, params);
+        radii = radius::fit(&axes, &votes, &twins, &parents, params);
     }
     for (l, r) in radii.iter_mut().enumerate() {
         let keys: Vec<usize> = rig.keys_of(l).map(|(f, _)| f).collect();
-        radius::hold_inside(r, &axes[l], &keys, masks);
+        radius::hold_inside(r, &axes[l], &keys, masks, min_vote);
     }
     stage.at(0.58)?;
     let mut limbs: Vec<LimbShape> = axes
@@ -192,6 +193,8 @@ fn shape_limb(
     };
     let own = ends(chain);
     let parent = chain.parent.map(|p| (p, ends(&skeleton.limbs[p]).1 == own.0));
+    let shared =
+        |v: Option<usize>| skeleton.limbs.iter().enumerate().any(|(o, c)| o != l && (ends(c).0 == v || ends(c).1 == v));
     let label = rig.limbs[l].label.clone();
     let wanted = params.depths.iter().find(|(name, _)| *name == label).map(|(_, r)| *r);
     let ratio = |i: usize| {
@@ -212,6 +215,7 @@ fn shape_limb(
         side: rig.limbs[l].side,
         twin,
         parent,
+        joined: (shared(own.0), shared(own.1)),
         z: path::bend_out(&axis, &facing, params.foreshortened),
         axis,
         radii,

@@ -56,6 +56,9 @@ pub struct CreatureParams {
     pub foreshortened: f32,
     /// How often the tracked axes are moved into the middle of their limbs' pixels. Paper: 0.
     pub settling_rounds: u32,
+    /// How stiffly a limb bends while it settles, for a limb of a hundred samples 2 px apart: the weight of a pixel of
+    /// shift between neighbours against a pixel off the middle.
+    pub settling_stiffness: f32,
     /// Whether to cover what tubes miss of the rest frame's mask (ears, hooves, a rump) by inflated patches.
     pub fill_silhouette: bool,
     /// Size of the patches' triangles, in pixels of a 512-pixel clip.
@@ -82,6 +85,7 @@ impl Default for CreatureParams {
             leg_spread: LegSpread::BodyWidth { body: 0.6, leg: 1.3 },
             foreshortened: 0.5,
             settling_rounds: 2,
+            settling_stiffness: 60.0,
             fill_silhouette: true,
             patch_step: 1.5,
             around: 20,

@@ -14,6 +14,8 @@ use crate::error::Result;
 use crate::job::Stage;
 use crate::raster::{Grid, Mask};
 
+/// Between these shares of its length a limb's radius is likely to be.
+const LIKELY: (f32, f32) = (0.06, 0.15);
 /// Length of a step of a march, in pixels.
 const STEP: f32 = 0.5;
 
@@ -77,22 +79,35 @@ fn march(start: Vec2, direction: Vec2, label: u16, labels: &Grid<u16>, min_vote:
     (travelled >= min_vote).then_some(travelled)
 }
 
-/// Radii of all limbs from their votes. `twins` gives each limb's other of a pair, whose votes count too.
-pub(super) fn fit(axes: &[Axis], votes: &[Vec<Votes>], twins: &[Option<usize>], params: &CreatureParams) -> Vec<Radii> {
-    let side = |l: usize, left: bool| {
-        let measured = percentiles(axes, votes, twins, l, left, params);
-        let filled = fill_gaps(&measured);
-        let fallback = || vec![axes[l].length * 0.06; axes[l].samples()];
-        filled.unwrap_or_else(fallback)
+/// Radii of all limbs from their votes. `twins` gives each limb's other of a pair, whose votes count too; a limb without
+/// any vote is half as thick as its parent, as far as its length makes that likely.
+pub(super) fn fit(
+    axes: &[Axis],
+    votes: &[Vec<Votes>],
+    twins: &[Option<usize>],
+    parents: &[Option<usize>],
+    params: &CreatureParams,
+) -> Vec<Radii> {
+    let measured: Vec<[Option<Vec<f32>>; 2]> = (0..axes.len())
+        .into_par_iter()
+        .map(|l| [true, false].map(|left| fill_gaps(&percentiles(axes, votes, twins, l, left, params))))
+        .collect();
+    let mean = |l: usize| {
+        let sides = measured[l].iter().flatten();
+        let (sum, count) = sides.flatten().fold((0.0, 0usize), |(s, n), r| (s + r, n + 1));
+        (count > 0).then(|| sum / count as f32)
     };
-    let mut radii: Vec<Radii> =
-        (0..axes.len()).into_par_iter().map(|l| Radii { left: side(l, true), right: side(l, false) }).collect();
-    for (r, axis) in radii.iter_mut().zip(axes) {
-        let sigma = params.smoothing.max(0.0) * (axis.last - axis.first) as f32;
-        r.left = smoothed(&r.left, sigma);
-        r.right = smoothed(&r.right, sigma);
-    }
-    radii
+    let radii = (0..axes.len()).map(|l| {
+        let length = axes[l].length;
+        let parent = parents.get(l).copied().flatten().and_then(mean);
+        let usual = parent.map_or(LIKELY.0, |r| r / 2.0 / length.max(1.0)).clamp(LIKELY.0, LIKELY.1) * length;
+        // One side that was seen says more than another limb.
+        let constant = || vec![mean(l).unwrap_or(usual); axes[l].samples()];
+        let sigma = params.smoothing.max(0.0) * (axes[l].last - axes[l].first) as f32;
+        let side = |k: usize| smoothed(&measured[l][k].clone().unwrap_or_else(constant), sigma);
+        Radii { left: side(0), right: side(1) }
+    });
+    radii.collect()
 }
 
 /// The percentile of the accepted votes at every sample; `None` where too many were rejected.
@@ -184,9 +199,9 @@ pub(super) fn smoothed(values: &[f32], sigma: f32) -> Vec<f32> {
 }
 
 /// Holds the radii inside the key frames' masks: no limb may be wider than the mask shows it on the key frames, where
-/// the axis is certain. A key frame on which the axis itself is outside the mask says nothing about the stroke, but
-/// ends the part that lengthens it.
-pub(super) fn hold_inside(radii: &mut Radii, axis: &Axis, keys: &[usize], masks: &[Mask]) {
+/// the axis is certain. A key frame on which the mask ends within `least` pixels of the axis says nothing about the
+/// stroke (the mask is torn), but ends the part that lengthens it.
+pub(super) fn hold_inside(radii: &mut Radii, axis: &Axis, keys: &[usize], masks: &[Mask], least: f32) {
     let views: Vec<(&Mask, &[Vec2], Vec<Vec2>)> = keys
         .iter()
         .filter_map(|&k| axis.frames.get(k).zip(masks.get(k)))
@@ -200,7 +215,7 @@ pub(super) fn hold_inside(radii: &mut Radii, axis: &Axis, keys: &[usize], masks:
             // The middle key frame decides: one torn mask must not cut a limb off.
             if let Some(&limit) = limits.get(limits.len() / 2) {
                 let beyond = i < axis.first || i > axis.last;
-                if limit > 0.0 || beyond {
+                if limit >= least || beyond {
                     *radius = radius.min(limit);
                 }
             }

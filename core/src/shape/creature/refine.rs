@@ -16,8 +16,6 @@ use super::axis::{Axis, normals};
 use super::radius::Radii;
 use crate::raster::Grid;
 
-/// How stiff the shift is along the limb, for a limb of a hundred samples.
-const STIFFNESS: f32 = 60.0;
 /// How much a sample wants to stay where it was tracked, against one vote.
 const STAY: f32 = 0.05;
 /// What a vote counts when the other side was not seen.
@@ -41,12 +39,22 @@ struct Wish {
 }
 
 /// Moves all frames of an axis to where the limb's radii fit its pixels. `labels` tells who owns the pixels
-/// (limb index + 1), `free_end` whether nothing hangs from the limb's end.
-pub(super) fn settle(axis: &mut Axis, limb: usize, radii: &Radii, free_end: bool, labels: &[Grid<u16>]) {
+/// (limb index + 1), `free_end` whether nothing hangs from the limb's end; `stiffness` is that of
+/// [`super::CreatureParams::settling_stiffness`].
+pub(super) fn settle(
+    axis: &mut Axis,
+    limb: usize,
+    radii: &Radii,
+    free_end: bool,
+    labels: &[Grid<u16>],
+    stiffness: f32,
+) {
     let frames = axis.frames.len().min(labels.len());
     let label = limb as u16 + 1;
-    let solved: Vec<Vec<Wish>> =
-        (0..frames).into_par_iter().map(|f| solve(&wishes(axis, f, radii, label, &labels[f]), axis)).collect();
+    let solved: Vec<Vec<Wish>> = (0..frames)
+        .into_par_iter()
+        .map(|f| solve(&wishes(axis, f, radii, label, &labels[f]), axis, stiffness))
+        .collect();
     let stretches: Vec<Option<f32>> = if free_end {
         let past = tip_lengths(axis, label, labels);
         let mut known: Vec<f32> = past.iter().flatten().copied().collect();
@@ -141,9 +149,9 @@ fn own_run(start: Vec2, normal: Vec2, label: u16, labels: &Grid<u16>, reach: f32
 
 /// The smooth shift x that minimises sum w (x - wish)^2 + STAY x^2 + stiffness (x' )^2, with the weight of the votes
 /// near each sample.
-fn solve(wishes: &[Wish], axis: &Axis) -> Vec<Wish> {
+fn solve(wishes: &[Wish], axis: &Axis, stiffness: f32) -> Vec<Wish> {
     let n = wishes.len();
-    let stiffness = STIFFNESS * ((axis.last - axis.first) as f32 / 100.0).powi(2);
+    let stiffness = stiffness.max(0.0) * ((axis.last - axis.first) as f32 / 100.0).powi(2);
     // Thomas' algorithm on the diagonal d and the side diagonal -stiffness.
     let mut diagonal: Vec<f32> = Vec::with_capacity(n);
     let mut right: Vec<f32> = Vec::with_capacity(n);

@@ -65,14 +65,22 @@ pub(super) fn section(limb: &LimbShape, frame: usize, normals: &[Vec2], sample: 
     }
 }
 
-/// How much the ends narrow at a sample: 1 inside, down to 0 at the very end, as a round cap does.
+/// How much the ends narrow at a sample: 1 inside, down to 0 at the very end, as a round cap does. A free end is a half
+/// ellipsoid as long as the limb is thick; a joined one keeps its thickness up to the joint, so that limbs overlap.
 fn rounding(limb: &LimbShape, sample: f32, (first, last): (usize, usize)) -> f32 {
-    let cap = |end: usize, distance: f32| {
-        let inside = (limb.half_width(end) / limb.axis.spacing().max(1e-3)).min((last - first) as f32 * 0.25).max(1.0);
+    let cap = |end: usize, joint: usize, joined: bool, distance: f32| {
+        let thick = limb.half_width(end) / limb.axis.spacing().max(1e-3);
+        let beyond = joint.abs_diff(end) as f32;
+        let inside = if joined { beyond.max(2.0) } else { thick.min((last - first) as f32 * 0.25).max(1.0) };
         let t = (1.0 - distance / inside).clamp(0.0, 1.0);
         (1.0 - t * t).max(0.0).sqrt()
     };
-    cap(first, sample - first as f32).min(cap(last, last as f32 - sample))
+    cap(first, limb.axis.first, limb.joined.0, sample - first as f32).min(cap(
+        last,
+        limb.axis.last,
+        limb.joined.1,
+        last as f32 - sample,
+    ))
 }
 
 /// The tube of a limb in one frame, with `around` vertices a ring.
