@@ -298,7 +298,7 @@ fn destroying_nothing_is_no_error_and_destroying_twice_is_one() {
 
 #[test]
 fn a_defect_in_any_function_is_contained_and_poisons_what_it_touched() {
-    use marey_ffi::test_panic::{AT_LOOKUP, AT_START, arm};
+    use marey_ffi::test_panic::{AT_LOOKUP, AT_START, IN_JOB, arm};
     // The panics are meant; their traces would bury a real one.
     std::panic::set_hook(Box::new(|_| {}));
     for (name, _, run) in CALLS {
@@ -323,7 +323,7 @@ fn a_defect_in_any_function_is_contained_and_poisons_what_it_touched() {
         let mut threads = 0;
         assert_eq!(mry_context_get_threads(f.context, &mut threads, &mut err), OK, "the rest of the context lives");
         assert_eq!(mry_rig_destroy(f.context, i.rig), OK);
-        arm(f.context, marey_ffi::test_panic::IN_JOB);
+        arm(f.context, IN_JOB);
         let mut motion = mry_motion { v: 3 };
         assert_eq!(mry_run_track(f.context, &f.track_desc(), &mut motion, &mut err), code(MRY_E_PANIC));
         assert_eq!(motion.v, 3);

@@ -8,12 +8,12 @@ use std::ptr;
 
 use marey_ffi::*;
 
-pub const OK: mry_status = mry_status_code::MRY_OK as mry_status;
+pub(crate) const OK: mry_status = mry_status_code::MRY_OK as mry_status;
 
 /// A context that is destroyed with the test.
-pub struct Fixture {
-    pub context: *mut mry_context,
-    pub folder: tempfile::TempDir,
+pub(crate) struct Fixture {
+    pub(crate) context: *mut mry_context,
+    pub(crate) folder: tempfile::TempDir,
 }
 
 impl Drop for Fixture {
@@ -22,30 +22,30 @@ impl Drop for Fixture {
     }
 }
 
-pub fn str(text: &str) -> mry_str {
+pub(crate) fn str(text: &str) -> mry_str {
     mry_str { data: text.as_ptr().cast(), len: text.len() }
 }
 
-pub fn error() -> mry_error {
+pub(crate) fn error() -> mry_error {
     let mut error = mry_error { struct_size: 0, status: 77, message: [1; 512], param: [1; 64] };
     unsafe { mry_error_init(&mut error, size_of::<mry_error>() as u32) };
     error
 }
 
-pub fn text(chars: &[c_char]) -> String {
+pub(crate) fn text(chars: &[c_char]) -> String {
     let bytes: Vec<u8> = chars.iter().take_while(|c| **c != 0).map(|c| *c as u8).collect();
     String::from_utf8(bytes).expect("UTF-8")
 }
 
-pub fn code(code: mry_status_code) -> mry_status {
+pub(crate) fn code(code: mry_status_code) -> mry_status {
     code as mry_status
 }
 
-pub fn status_text(status: mry_status) -> String {
+pub(crate) fn status_text(status: mry_status) -> String {
     unsafe { CStr::from_ptr(mry_status_text(status)) }.to_str().expect("UTF-8").to_owned()
 }
 
-pub fn context_desc(threads: u32) -> mry_context_desc {
+pub(crate) fn context_desc(threads: u32) -> mry_context_desc {
     mry_context_desc {
         struct_size: size_of::<mry_context_desc>() as u32,
         abi_version: mry_version() >> 8 & 0xff | (mry_version() >> 16) << 16,
@@ -56,23 +56,23 @@ pub fn context_desc(threads: u32) -> mry_context_desc {
     }
 }
 
-pub fn context(threads: u32) -> *mut mry_context {
+pub(crate) fn context(threads: u32) -> *mut mry_context {
     let (mut context, mut err) = (ptr::null_mut(), error());
     let status = unsafe { mry_context_create(&context_desc(threads), &mut context, &mut err) };
     assert_eq!(status, OK, "{}", text(&err.message));
     context
 }
 
-pub fn fixture() -> Fixture {
+pub(crate) fn fixture() -> Fixture {
     Fixture { context: context(2), folder: tempfile::tempdir().unwrap() }
 }
 
 /// Width and height of the small clip.
-pub const SIZE: (u32, u32) = (96, 64);
-pub const FRAMES: u64 = 6;
+pub(crate) const SIZE: (u32, u32) = (96, 64);
+pub(crate) const FRAMES: u64 = 6;
 
 /// A dark bar that wanders over a light, uneven ground.
-pub fn write_clip(folder: &Path) {
+pub(crate) fn write_clip(folder: &Path) {
     for frame in 0..FRAMES as u32 {
         let at = 30 + 2 * frame;
         let image = image::RgbImage::from_fn(SIZE.0, SIZE.1, |x, y| {
@@ -84,16 +84,16 @@ pub fn write_clip(folder: &Path) {
     }
 }
 
-pub const STROKES: &str = r#"{"format":"marey-strokes","version":1,"size":[96,64],"limbs":[{"label":"body"}],
+pub(crate) const STROKES: &str = r#"{"format":"marey-strokes","version":1,"size":[96,64],"limbs":[{"label":"body"}],
     "keyframes":[{"frame":0,"strokes":[{"limb":"body","points":[[33,32],[57,32]]}]}]}"#;
 
 impl Fixture {
-    pub fn path(&self, name: &str) -> String {
+    pub(crate) fn path(&self, name: &str) -> String {
         self.folder.path().join(name).to_str().unwrap().to_owned()
     }
 
     /// The small clip, opened.
-    pub fn clip(&self) -> mry_clip {
+    pub(crate) fn clip(&self) -> mry_clip {
         let folder = self.folder.path().join("clip");
         if !folder.exists() {
             std::fs::create_dir(&folder).unwrap();
@@ -106,27 +106,27 @@ impl Fixture {
         clip
     }
 
-    pub fn rig(&self) -> mry_rig {
+    pub(crate) fn rig(&self) -> mry_rig {
         let (mut rig, mut err) = (mry_rig::default(), error());
         let status = unsafe { mry_rig_from_json(self.context, str(STROKES), &mut rig, &mut err) };
         assert_eq!(status, OK, "{}", text(&err.message));
         rig
     }
 
-    pub fn track_desc(&self) -> mry_track_desc {
+    pub(crate) fn track_desc(&self) -> mry_track_desc {
         let mut desc = zeroed_track();
         (desc.clip, desc.rig) = (self.clip(), self.rig());
         desc
     }
 
-    pub fn creature_desc(&self) -> mry_creature_desc {
+    pub(crate) fn creature_desc(&self) -> mry_creature_desc {
         let mut desc = unsafe { std::mem::zeroed::<mry_creature_desc>() };
         unsafe { mry_creature_desc_init(&mut desc, size_of::<mry_creature_desc>() as u32) };
         (desc.clip, desc.rig) = (self.clip(), self.rig());
         desc
     }
 
-    pub fn motion(&self) -> mry_motion {
+    pub(crate) fn motion(&self) -> mry_motion {
         let (mut motion, mut err) = (mry_motion::default(), error());
         let status = unsafe { mry_run_track(self.context, &self.track_desc(), &mut motion, &mut err) };
         assert_eq!(status, OK, "{}", text(&err.message));
@@ -134,7 +134,7 @@ impl Fixture {
     }
 }
 
-pub fn zeroed_track() -> mry_track_desc {
+pub(crate) fn zeroed_track() -> mry_track_desc {
     let mut desc = unsafe { std::mem::zeroed::<mry_track_desc>() };
     unsafe { mry_track_desc_init(&mut desc, size_of::<mry_track_desc>() as u32) };
     desc
