@@ -139,14 +139,18 @@ impl Rasterizer {
         let down = pairs.map(|(a, b)| (p[b][0] - p[a][0]) * snap_step);
         for y in y0..y1 {
             let mut next = line_start;
-            line_start = [0, 1, 2].map(|i| line_start[i] + down[i]);
+            for i in 0..3 {
+                line_start[i] += down[i];
+            }
             for x in x0..x1 {
                 let e = next;
-                next = [0, 1, 2].map(|i| e[i] + right[i]);
+                for i in 0..3 {
+                    next[i] += right[i];
+                }
                 if (e[0] + bias[0]) | (e[1] + bias[1]) | (e[2] + bias[2]) < 0 {
                     continue;
                 }
-                let share = e.map(|e| e as f32 * scale);
+                let share = [e[0] as f32 * scale, e[1] as f32 * scale, e[2] as f32 * scale];
                 let depth = z[0] + (z[1] - z[0]) * share[1] + (z[2] - z[0]) * share[2];
                 let (column, line) = (x as usize, y as usize);
                 if depth <= self.depth.get(column, line) {
@@ -166,8 +170,8 @@ impl Rasterizer {
                     Surface::Bare => Vec3::ZERO,
                 };
                 // The cast cuts off at both ends.
-                let [r, g, b] = rgb.to_array().map(|v| (v + 0.5) as u8);
-                self.color.put_pixel(x as u32, y as u32, image::Rgba([r, g, b, 255]));
+                let rgb = rgb + 0.5;
+                self.color.put_pixel(x as u32, y as u32, image::Rgba([rgb.x as u8, rgb.y as u8, rgb.z as u8, 255]));
             }
         }
     }
