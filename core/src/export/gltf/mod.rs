@@ -115,7 +115,7 @@ pub fn glb(model: &RiggedModel, options: &GltfOptions, stage: Stage<'_>) -> Resu
         extensions: None,
         extras: None,
     });
-    pack(&root, buffer.into_bytes())
+    pack(&root, &buffer.into_bytes())
 }
 
 fn add_bones(root: &mut Root, model: &RiggedModel, scale: f32, armature: Index<Node>) -> Vec<Index<Node>> {
@@ -228,7 +228,7 @@ fn not_writable(error: &serde_json::Error) -> Error {
 }
 
 /// The container: a header, the JSON and the buffer, each padded to whole words (glTF 2.0 section 4.4).
-fn pack(root: &Root, buffer: Vec<u8>) -> Result<Vec<u8>> {
+fn pack(root: &Root, buffer: &[u8]) -> Result<Vec<u8>> {
     let mut json = root.to_vec().map_err(|e| not_writable(&e))?;
     json.resize(json.len().next_multiple_of(4), b' ');
     let total = 12 + 8 + json.len() + 8 + buffer.len();
@@ -249,6 +249,6 @@ fn pack(root: &Root, buffer: Vec<u8>) -> Result<Vec<u8>> {
     out.extend_from_slice(&json);
     out.extend_from_slice(&(buffer.len() as u32).to_le_bytes());
     out.extend_from_slice(b"BIN\0");
-    out.extend_from_slice(&buffer);
+    out.extend_from_slice(buffer);
     Ok(out)
 }
