@@ -14,8 +14,8 @@ const ALPHA: f32 = 10.0;
 const DELTA: f32 = 5.0;
 const GAMMA: f32 = 10.0;
 /// Re-weightings, and sweeps in each.
-const ROUNDS: usize = 3;
-const SWEEPS: usize = 5;
+const ROUNDS: usize = 2;
+const SWEEPS: usize = 4;
 const RELAXATION: f32 = 1.6;
 /// Square of the robust penalty's linear onset.
 const EPSILON: f32 = 1e-3;

@@ -16,6 +16,8 @@ mod pose_search;
 mod solving_order;
 mod space_time;
 #[cfg(test)]
+mod space_time_tests;
+#[cfg(test)]
 mod stage_set;
 mod strip;
 mod templates;
