@@ -4,8 +4,10 @@
 //! the whole clip, and again for each tile of the picture around the time of the frame. Local models count as far as
 //! they have seen enough.
 
+use std::ops::Range;
+
 use super::colour_model::{Counts, Density};
-use super::limb_shape::Cells;
+use super::painted::Known;
 use super::stroke_field::{NOWHERE, Place};
 use super::working::{Limbs, Working};
 use crate::raster::Grid;
@@ -22,10 +24,12 @@ const PARTS: usize = 3;
 const TILES: usize = 8;
 /// A local model of this many pixels counts as much as the global one.
 const TRUST: f32 = 120.0;
+/// Share of a local model that has seen enough; the rest is the global one's.
+const LOCAL_SHARE: f32 = 0.7;
 /// A colour never seen on either side has this density (1 is even).
 const FLOOR: f32 = 0.03;
 /// Evidence is kept within this: the model is never sure.
-pub(super) const LIMIT: f32 = 2.5;
+const LIMIT: f32 = 2.5;
 
 /// What a pixel teaches.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -51,16 +55,16 @@ impl Lessons {
         }
     }
 
-    pub(super) fn add(&mut self, colour: [u8; 3], place: Place, limbs: &Limbs, lesson: Lesson, weight: u32) {
-        match lesson {
-            Lesson::Creature => {
-                self.creature.add(colour, weight);
-                if let Some(part) = part_of(limbs, place) {
-                    self.parts[part].add(colour, weight);
-                }
-            }
-            Lesson::Background => self.background.add(colour, weight),
-            Lesson::Nothing => {}
+    #[inline]
+    pub(super) fn add_background(&mut self, colour: [u8; 3]) {
+        self.background.add(colour, 1);
+    }
+
+    #[inline]
+    pub(super) fn add_creature(&mut self, colour: [u8; 3], place: Place, limbs: &Limbs) {
+        self.creature.add(colour, 1);
+        if let Some(part) = part_of(limbs, place) {
+            self.parts[part].add(colour, 1);
         }
     }
 
@@ -95,23 +99,31 @@ pub(super) struct Tiles {
 }
 
 impl Tiles {
-    /// Counts the background of frames near in time; `lesson(frame, pixel index)` says what is background.
+    /// Counts the background of frames near in time around `window`; `lesson(frame, x, y)` says what is background.
     pub(super) fn learn(
         working: &Working,
         frames: impl Iterator<Item = usize>,
-        lesson: impl Fn(usize, usize) -> Lesson,
+        (columns, rows): &(Range<usize>, Range<usize>),
+        lesson: impl Fn(usize, usize, usize) -> Lesson,
     ) -> Self {
         let size = working.width.max(working.height) as f32 / TILES as f32;
         let across = (working.width as f32 / size).ceil().max(1.0) as usize;
         let down = (working.height as f32 / size).ceil().max(1.0) as usize;
         let mut counts = vec![Counts::new(LOCAL_BINS); across * down];
+        let column = |x: usize| ((x as f32 / size) as usize).min(across - 1);
+        let row = |y: usize| ((y as f32 / size) as usize).min(down - 1);
+        // Evidence in the window reads tiles half a tile beyond it.
+        let margin = (0.5 * size).ceil() as usize;
+        let rows = rows.start.saturating_sub(margin)..(rows.end + margin).min(working.height);
+        let columns = columns.start.saturating_sub(margin)..(columns.end + margin).min(working.width);
         for frame in frames {
             let image = &working.frames[frame];
-            for y in 0..working.height {
-                let row = (y as f32 / size) as usize * across;
-                for (x, &colour) in image.row(y).iter().enumerate() {
-                    if lesson(frame, y * working.width + x) == Lesson::Background {
-                        counts[row + (x as f32 / size) as usize].add(colour, 1);
+            // Neighbouring rows teach the same colours.
+            for y in rows.clone().step_by(2) {
+                let (line, first) = (image.row(y), row(y) * across);
+                for x in columns.clone() {
+                    if lesson(frame, x, y) == Lesson::Background {
+                        counts[first + column(x)].add(line[x], 2);
                     }
                 }
             }
@@ -155,34 +167,60 @@ fn part_of(limbs: &Limbs, place: Place) -> Option<usize> {
     Some(limb * PARTS + (sample - range.start) * PARTS / range.len())
 }
 
-/// The evidence for creature at every pixel within reach of a stroke, natural logarithm; minus the limit elsewhere.
+/// Evidence of a frame: how much likelier creature is than background, as a natural logarithm.
+pub(super) struct Evidence {
+    width: usize,
+    /// In fiftieths.
+    values: Vec<i8>,
+}
+
+/// Fixed point of evidence; [`LIMIT`] must fit a byte.
+const STEPS: f32 = 50.0;
+
+impl Evidence {
+    #[inline]
+    pub(super) fn at(&self, x: usize, y: usize) -> f32 {
+        f32::from(self.values[y * self.width + x]) / STEPS
+    }
+
+    /// Puts what is known in place of what is likely.
+    pub(super) fn overrule(&mut self, known: &[Known]) {
+        for (value, known) in self.values.iter_mut().zip(known) {
+            match known {
+                Known::Creature => *value = (LIMIT * STEPS) as i8,
+                Known::Background => *value = (-LIMIT * STEPS) as i8,
+                Known::Nothing => {}
+            }
+        }
+    }
+}
+
+/// The evidence for creature at every pixel of the window that has a place; minus the limit elsewhere.
 pub(super) fn colour_evidence(
     image: &Grid<[u8; 3]>,
-    field: &Grid<Place>,
-    cells: Cells,
+    (columns, rows): &(Range<usize>, Range<usize>),
+    place: impl Fn(usize, usize) -> Option<Place>,
     limbs: &Limbs,
     colours: &Colours,
     tiles: &Tiles,
-) -> Vec<f32> {
+) -> Evidence {
     let (width, height) = (image.width(), image.height());
-    let mut out = vec![-LIMIT; width * height];
-    for y in 0..height {
-        for x in 0..width {
-            let place = field.get(x, y);
-            if cells.of(place).is_none() {
-                continue;
-            }
+    let mut values = vec![(-LIMIT * STEPS) as i8; width * height];
+    for y in rows.clone() {
+        for x in columns.clone() {
+            let Some(place) = place(x, y) else { continue };
             let colour = image.get(x, y);
             let mut creature = colours.creature.of(colour);
             if let Some(part) = part_of(limbs, place) {
                 let (model, trust) = &colours.parts[part];
-                creature += 0.7 * trust * (model.of(colour) - creature);
+                creature += LOCAL_SHARE * trust * (model.of(colour) - creature);
             }
             let (near, trust) = tiles.of(x, y, colour);
             let mut background = colours.background.of(colour);
-            background += 0.7 * trust * (near - background);
-            out[y * width + x] = ((creature + FLOOR) / (background + FLOOR)).ln().clamp(-LIMIT, LIMIT);
+            background += LOCAL_SHARE * trust * (near - background);
+            let evidence = ((creature + FLOOR) / (background + FLOOR)).ln().clamp(-LIMIT, LIMIT);
+            values[y * width + x] = (evidence * STEPS).round() as i8;
         }
     }
-    out
+    Evidence { width, values }
 }

@@ -6,10 +6,11 @@
 //! per frame over colour evidence, shape and contrast (Boykov and Jolly 2001; Rother, Kolmogorov and Blake 2004).
 
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 use rayon::prelude::*;
 
-use super::evidence::{LIMIT, Lesson, Lessons, Tiles, colour_evidence};
+use super::evidence::{Evidence, Lesson, Lessons, Tiles, colour_evidence};
 use super::grid_cut::{GridCut, Neighbour};
 use super::limb_shape::{Cells, Profile, carried, occupancy};
 use super::painted::{Known, Painted};
@@ -60,6 +61,8 @@ pub(super) struct Layers<'a> {
     pub(super) params: &'a SegmentParams,
     cells: Cells,
     fields: Vec<Grid<Place>>,
+    /// For every frame the columns and rows within which creature can be.
+    windows: Vec<(Range<usize>, Range<usize>)>,
     /// What the user painted, at working size.
     known: BTreeMap<usize, Grid<Known>>,
 }
@@ -73,26 +76,36 @@ impl<'a> Layers<'a> {
         painted: &Painted,
         stage: Stage<'_>,
     ) -> Result<Self> {
-        let reach = params.reach * limbs.extent();
-        let fields = each_frame(working.frames.len(), stage, |frame| {
-            Ok(stroke_field(limbs, frame, working.width, working.height))
-        })?;
+        let cells = Cells::new(limbs.len(), params.reach * limbs.extent());
         let known = painted.reduced(working.width, working.height);
-        Ok(Self { known, working, limbs, params, cells: Cells::new(limbs.len(), reach), fields })
+        let prepared = each_frame(working.frames.len(), stage, |frame| {
+            let field = stroke_field(limbs, frame, working.width, working.height);
+            // Creature may be painted anywhere.
+            let window = match known.contains_key(&frame) {
+                true => (0..working.width, 0..working.height),
+                false => window(&field, cells),
+            };
+            Ok((field, window))
+        })?;
+        let (fields, windows) = prepared.into_iter().unzip();
+        Ok(Self { working, limbs, params, cells, fields, windows, known })
     }
 
     /// The creature in every frame, at working size.
     pub(super) fn masks(&self, stage: Stage<'_>) -> Result<Vec<Mask>> {
         let passes = self.params.passes.max(1);
         let share = |p: usize| stage.part(p as f64 / (passes + 1) as f64, (p + 1) as f64 / (passes + 1) as f64);
-        let (accepted, trust) = self.agreement(share(0).part(0.0, 0.5))?;
-        let radii = self.radii(&accepted, share(0).part(0.5, 1.0))?;
-        let mut masks: Option<Vec<Mask>> = None;
-        for pass in 0..passes {
-            let teacher = masks.as_deref().map_or(Teacher::Accepted(&accepted), Teacher::Masks);
-            masks = Some(self.pass(&radii, &trust, teacher, share(pass + 1))?);
+        let (accepted, trust) = self.agreement(share(0).part(0.0, 0.4))?;
+        // The first pass judges by the same colours as the radii.
+        let mut evidence = self.evidence(Teacher::Accepted(&accepted), f32::INFINITY, share(0).part(0.4, 0.9))?;
+        let radii = self.radii(&evidence, share(0).part(0.9, 1.0))?;
+        let mut masks = self.pass(&radii, &trust, &evidence, None, share(1))?;
+        for pass in 1..passes {
+            let stage = share(pass + 1);
+            evidence = self.evidence(Teacher::Masks(&masks), f32::INFINITY, stage.part(0.0, 0.5))?;
+            masks = self.pass(&radii, &trust, &evidence, Some(&masks), stage.part(0.5, 1.0))?;
         }
-        Ok(masks.unwrap_or_default())
+        Ok(masks)
     }
 
     fn each_frame<T: Send>(&self, stage: Stage<'_>, work: impl Fn(usize) -> T + Sync) -> Result<Vec<T>> {
@@ -100,17 +113,16 @@ impl<'a> Layers<'a> {
     }
 
     /// What a pixel teaches.
-    fn lesson(&self, teacher: Teacher<'_>, frame: usize, index: usize) -> Lesson {
-        let place = self.fields[frame].data()[index];
-        match self.known.get(&frame).map_or(Known::Nothing, |k| k.data()[index]) {
+    fn lesson(&self, teacher: Teacher<'_>, frame: usize, x: usize, y: usize) -> Lesson {
+        match self.known.get(&frame).map_or(Known::Nothing, |k| k.get(x, y)) {
             Known::Creature => return Lesson::Creature,
             Known::Background => return Lesson::Background,
             Known::Nothing => {}
         }
-        let at = (index % self.working.width, index / self.working.width);
         if let Teacher::Masks(masks) = teacher {
-            return if masks[frame].get(at.0, at.1) { Lesson::Creature } else { Lesson::Background };
+            return if masks[frame].get(x, y) { Lesson::Creature } else { Lesson::Background };
         }
+        let place = self.fields[frame].get(x, y);
         if self.cells.of(place).is_none() {
             return Lesson::Background;
         }
@@ -119,7 +131,7 @@ impl<'a> Layers<'a> {
         }
         let limb = usize::from(self.limbs.limb[usize::from(place.sample)]);
         let taught = match teacher {
-            Teacher::Accepted(accepted) => accepted[frame].get(at.0, at.1),
+            Teacher::Accepted(accepted) => accepted[frame].get(x, y),
             _ => self.limbs.drawn[frame][limb],
         };
         if taught { Lesson::Creature } else { Lesson::Nothing }
@@ -133,61 +145,86 @@ impl<'a> Layers<'a> {
         }
     }
 
-    /// Evidence of every frame under the models that are taught, handed to `take`.
-    fn with_evidence<T: Send>(
-        &self,
-        teacher: Teacher<'_>,
-        stage: Stage<'_>,
-        take: impl Fn(usize, Vec<f32>) -> T + Sync,
-    ) -> Result<Vec<T>> {
-        let counted = self.each_frame(stage.part(0.0, 0.3), |frame| {
-            let mut lessons = Lessons::new(self.limbs);
-            for (index, &colour) in self.working.frames[frame].data().iter().enumerate() {
-                let place = self.fields[frame].data()[index];
-                lessons.add(colour, place, self.limbs, self.lesson(teacher, frame, index), 1);
-            }
-            lessons
-        })?;
-        let mut all = Lessons::new(self.limbs);
-        counted.iter().for_each(|l| all.merge(l));
-        drop(counted);
+    /// Evidence of every frame under the models that are taught, for pixels at most `within` from a stroke.
+    fn evidence(&self, teacher: Teacher<'_>, within: f32, stage: Stage<'_>) -> Result<Vec<Evidence>> {
+        let frames = self.working.frames.len();
+        // Counts are whole numbers: the sum does not depend on how the frames are shared out.
+        let all = (0..frames)
+            .into_par_iter()
+            .try_fold(
+                || Lessons::new(self.limbs),
+                |mut lessons, frame| {
+                    stage.at(0.4 * frame as f64 / frames as f64)?;
+                    self.teach(teacher, frame, &mut lessons);
+                    Ok(lessons)
+                },
+            )
+            .try_reduce(
+                || Lessons::new(self.limbs),
+                |mut a, b| {
+                    a.merge(&b);
+                    Ok(a)
+                },
+            )?;
         let colours = all.learn();
-        let last = self.working.frames.len() - 1;
-        self.each_frame(stage.part(0.3, 1.0), |frame| {
-            let near = [frame.checked_sub(2), Some(frame), Some(frame + 2).filter(|&f| f <= last)];
-            let tiles =
-                Tiles::learn(self.working, near.into_iter().flatten(), |f, index| self.lesson(teacher, f, index));
-            let image = &self.working.frames[frame];
-            let mut evidence = colour_evidence(image, &self.fields[frame], self.cells, self.limbs, &colours, &tiles);
-            for (e, known) in evidence.iter_mut().zip(self.known.get(&frame).iter().flat_map(|k| k.data())) {
-                match known {
-                    Known::Creature => *e = LIMIT,
-                    Known::Background => *e = -LIMIT,
-                    Known::Nothing => {}
+        self.each_frame(stage.part(0.4, 1.0), |frame| {
+            let near = [frame.checked_sub(2), Some(frame), Some(frame + 2).filter(|&f| f < frames)];
+            let lesson = |f: usize, x: usize, y: usize| self.lesson(teacher, f, x, y);
+            let window = &self.windows[frame];
+            let tiles = Tiles::learn(self.working, near.into_iter().flatten(), window, lesson);
+            let place = |x: usize, y: usize| {
+                let place = self.fields[frame].get(x, y);
+                (self.cells.of(place).is_some() && place.distance() <= within).then_some(place)
+            };
+            let mut evidence =
+                colour_evidence(&self.working.frames[frame], window, place, self.limbs, &colours, &tiles);
+            if let Some(known) = self.known.get(&frame) {
+                evidence.overrule(known.data());
+            }
+            evidence
+        })
+    }
+
+    /// Counts what the pixels of a frame teach.
+    fn teach(&self, teacher: Teacher<'_>, frame: usize, lessons: &mut Lessons) {
+        let (image, field) = (&self.working.frames[frame], &self.fields[frame]);
+        let (columns, rows) = &self.windows[frame];
+        for y in 0..self.working.height {
+            let row = image.row(y);
+            if !rows.contains(&y) {
+                row.iter().for_each(|&colour| lessons.add_background(colour));
+                continue;
+            }
+            row[..columns.start].iter().for_each(|&colour| lessons.add_background(colour));
+            row[columns.end..].iter().for_each(|&colour| lessons.add_background(colour));
+            for x in columns.clone() {
+                match self.lesson(teacher, frame, x, y) {
+                    Lesson::Background => lessons.add_background(row[x]),
+                    Lesson::Creature => lessons.add_creature(row[x], field.get(x, y), self.limbs),
+                    Lesson::Nothing => {}
                 }
             }
-            take(frame, evidence)
-        })
+        }
     }
 
     /// Stroke pixels whose colours agree with those of the drawn strokes, and for every frame and limb how large a
     /// share of the stroke they are: how far the track can be trusted there.
     fn agreement(&self, stage: Stage<'_>) -> Result<(Vec<Mask>, Vec<Vec<f32>>)> {
         let limbs = self.limbs.first.len() - 1;
-        let found = self.with_evidence(Teacher::Drawn, stage, |frame, evidence| {
+        let evidence = self.evidence(Teacher::Drawn, STROKE_WIDTH, stage.part(0.0, 0.9))?;
+        let found = self.each_frame(stage.part(0.9, 1.0), |frame| {
             let mut accepted = Mask::new(self.working.width, self.working.height);
             let (mut agreed, mut all) = (vec![0u32; limbs], vec![0u32; limbs]);
             for (index, &place) in self.fields[frame].data().iter().enumerate() {
                 if !self.on_stroke(frame, place) {
                     continue;
                 }
+                let (x, y) = (index % self.working.width, index / self.working.width);
                 let limb = usize::from(self.limbs.limb[usize::from(place.sample)]);
-                let drawn = self.limbs.drawn[frame][limb];
+                let agrees = evidence[frame].at(x, y) > 0.0;
                 all[limb] += 1;
-                if drawn || evidence[index] > 0.0 {
-                    accepted.set(index % self.working.width, index / self.working.width, true);
-                }
-                agreed[limb] += u32::from(evidence[index] > 0.0);
+                accepted.set(x, y, agrees || self.limbs.drawn[frame][limb]);
+                agreed[limb] += u32::from(agrees);
             }
             let share = |l: usize| if all[l] == 0 { 1.0 } else { agreed[l] as f32 / all[l] as f32 };
             (accepted, (0..limbs).map(share).collect::<Vec<f32>>())
@@ -204,38 +241,53 @@ impl<'a> Layers<'a> {
         Ok((accepted, trust))
     }
 
-    /// Limb radii from the colours that strokes and surroundings teach.
-    fn radii(&self, accepted: &[Mask], stage: Stage<'_>) -> Result<Vec<[f32; 2]>> {
-        let profiles = self.with_evidence(Teacher::Accepted(accepted), stage, |frame, evidence| {
-            let mut profile = Profile::new(self.cells);
-            for (&place, e) in self.fields[frame].data().iter().zip(evidence) {
-                if let Some(cell) = self.cells.of(place) {
-                    profile.add(cell, e);
-                }
-            }
-            profile
-        })?;
-        let mut all = Profile::new(self.cells);
-        profiles.iter().for_each(|p| all.merge(p));
-        Ok(all.radii(self.limbs, self.working.frames.len()))
+    /// Limb radii from the evidence of all frames.
+    fn radii(&self, evidence: &[Evidence], stage: Stage<'_>) -> Result<Vec<[f32; 2]>> {
+        let frames = evidence.len();
+        let all = (0..frames)
+            .into_par_iter()
+            .try_fold(
+                || Profile::new(self.cells),
+                |mut profile, frame| {
+                    stage.at(frame as f64 / frames as f64)?;
+                    let (columns, rows) = &self.windows[frame];
+                    for y in rows.clone() {
+                        for x in columns.clone() {
+                            if let Some(cell) = self.cells.of(self.fields[frame].get(x, y)) {
+                                profile.add(cell, evidence[frame].at(x, y));
+                            }
+                        }
+                    }
+                    Ok(profile)
+                },
+            )
+            .try_reduce(
+                || Profile::new(self.cells),
+                |mut a, b| {
+                    a.merge(&b);
+                    Ok(a)
+                },
+            )?;
+        Ok(all.radii(self.limbs, frames))
     }
 
-    /// One pass over all frames.
+    /// One pass over all frames; `masks` are those of the last pass.
     fn pass(
         &self,
         radii: &[[f32; 2]],
         trust: &[Vec<f32>],
-        teacher: Teacher<'_>,
+        evidence: &[Evidence],
+        masks: Option<&[Mask]>,
         stage: Stage<'_>,
     ) -> Result<Vec<Mask>> {
-        let occupied = match teacher {
-            Teacher::Masks(masks) => {
+        let occupied = match masks {
+            Some(masks) => {
                 self.each_frame(stage.part(0.0, 0.1), |f| occupancy(&masks[f], &self.fields[f], self.cells))?
             }
-            _ => Vec::new(),
+            None => Vec::new(),
         };
         let reach = self.cells.reach;
-        self.with_evidence(teacher, stage.part(0.1, 1.0), |frame, evidence| {
+        self.each_frame(stage.part(0.1, 1.0), |frame| {
             let by_radius = |cell: usize| {
                 let (sample, side, distance) = (cell / reach / 2, cell / reach % 2, (cell % reach) as f32);
                 let r = radii[sample][side];
@@ -255,47 +307,48 @@ impl<'a> Layers<'a> {
                 let limb = usize::from(self.limbs.limb[cell / reach / 2]);
                 p * (DOUBTED + (1.0 - DOUBTED) * trust[frame][limb].powi(2))
             });
-            self.cut(frame, &evidence, &weighed.collect::<Vec<f32>>())
+            self.cut(frame, &evidence[frame], &weighed.collect::<Vec<f32>>())
         })
     }
 
     /// The best mask of a frame.
-    fn cut(&self, frame: usize, evidence: &[f32], prior: &[f32]) -> Mask {
-        let (width, height) = (self.working.width, self.working.height);
+    fn cut(&self, frame: usize, evidence: &Evidence, prior: &[f32]) -> Mask {
         let image = &self.working.frames[frame];
         let field = &self.fields[frame];
-        let known = self.known.get(&frame);
-        let known = |x: usize, y: usize| known.map_or(Known::Nothing, |k| k.get(x, y));
-        let near = |x: usize, y: usize| self.cells.of(field.get(x, y));
+        let (columns, rows) = self.windows[frame].clone();
+        let (width, height) = (columns.len(), rows.len());
+        let (left, top) = (columns.start, rows.start);
+        let mut near = vec![FAR; width * height];
+        for (line, y) in near.chunks_exact_mut(width.max(1)).zip(rows) {
+            for (cell, &place) in line.iter_mut().zip(&field.row(y)[columns.clone()]) {
+                *cell = self.cells.of(place).map_or(FAR, |c| c as u32);
+            }
+        }
+        let contrast = Contrast::of(image, &self.windows[frame]);
+        let closeness = EDGES.map(|(_, dx, dy)| if dx != 0 && dy != 0 { std::f32::consts::FRAC_1_SQRT_2 } else { 1.0 });
+        let closeness = closeness.map(|c| c * self.params.edge_weight * UNIT);
         let mut problem = GridCut::new(width, height);
-        let contrast = Contrast::of(image, |x, y| near(x, y).is_some());
         for y in 0..height {
             for x in 0..width {
-                let own = near(x, y);
-                if let Some(cell) = own {
-                    let odds =
-                        self.params.colour_weight * evidence[y * width + x] + self.params.shape_weight * prior[cell];
+                let own = near[y * width + x];
+                if own != FAR {
+                    let odds = self.params.colour_weight * evidence.at(x + left, y + top)
+                        + self.params.shape_weight * prior[own as usize];
                     problem.add_terminal(x, y, (odds * UNIT) as i32);
                 }
-                match known(x, y) {
-                    Known::Creature => problem.add_terminal(x, y, CERTAIN),
-                    Known::Background => problem.add_terminal(x, y, -CERTAIN),
-                    Known::Nothing => {}
-                }
-                for (to, dx, dy) in EDGES {
+                let here = image.get(x + left, y + top);
+                for ((to, dx, dy), closeness) in EDGES.into_iter().zip(closeness) {
                     let (nx, ny) = (x.wrapping_add_signed(dx), y + dy);
                     if nx >= width || ny >= height {
                         continue;
                     }
-                    let other = near(nx, ny);
-                    if own.is_none() && other.is_none() {
+                    let other = near[ny * width + nx];
+                    if own == FAR && other == FAR {
                         continue;
                     }
-                    let length = if dx != 0 && dy != 0 { std::f32::consts::SQRT_2 } else { 1.0 };
-                    let weight = contrast.weight(image.get(x, y), image.get(nx, ny)) / length;
-                    let cost = (self.params.edge_weight * weight * UNIT) as i32;
+                    let cost = (contrast.weight(here, image.get(nx + left, ny + top)) * closeness) as i32;
                     // What is out of reach is background: its edges are pulls towards it.
-                    match (own.is_some(), other.is_some()) {
+                    match (own != FAR, other != FAR) {
                         (true, true) => problem.set_edge(x, y, to, cost),
                         (true, false) => problem.add_terminal(x, y, -cost),
                         _ => problem.add_terminal(nx, ny, -cost),
@@ -303,8 +356,26 @@ impl<'a> Layers<'a> {
                 }
             }
         }
+        if let Some(known) = self.known.get(&frame) {
+            for y in 0..height {
+                for x in 0..width {
+                    match known.get(x + left, y + top) {
+                        Known::Creature => problem.add_terminal(x, y, CERTAIN),
+                        Known::Background => problem.add_terminal(x, y, -CERTAIN),
+                        Known::Nothing => {}
+                    }
+                }
+            }
+        }
         problem.solve();
-        let mask = Mask::from_fn(width, height, |x, y| problem.on_source_side(x, y));
+        let mut mask = Mask::new(self.working.width, self.working.height);
+        for y in 0..height {
+            for x in 0..width {
+                if problem.on_source_side(x, y) {
+                    mask.set(x + left, y + top, true);
+                }
+            }
+        }
         self.tidied(frame, &mask)
     }
 
@@ -326,6 +397,20 @@ impl<'a> Layers<'a> {
         kept[0] = false;
         Mask::from_fn(mask.width(), mask.height(), |x, y| kept[parts.labels.get(x, y) as usize])
     }
+}
+
+/// The columns and rows that have a cell.
+fn window(field: &Grid<Place>, cells: Cells) -> (Range<usize>, Range<usize>) {
+    let (mut columns, mut rows) = (usize::MAX..0, usize::MAX..0);
+    for y in 0..field.height() {
+        for (x, &place) in field.row(y).iter().enumerate() {
+            if cells.of(place).is_some() {
+                columns = columns.start.min(x)..columns.end.max(x + 1);
+                rows = rows.start.min(y)..y + 1;
+            }
+        }
+    }
+    if columns.is_empty() { (0..0, 0..0) } else { (columns, rows) }
 }
 
 /// Runs `work` for every frame side by side; results in order.
@@ -350,35 +435,39 @@ const EDGES: [(Neighbour, isize, usize); 4] =
 /// Contrast-sensitive edge weights: 1 between equal colours, falling with the squared difference relative to its mean
 /// around the creature.
 struct Contrast {
+    scale: f32,
     table: Vec<f32>,
 }
 
 impl Contrast {
-    fn of(image: &Grid<[u8; 3]>, near: impl Fn(usize, usize) -> bool) -> Self {
+    fn of(image: &Grid<[u8; 3]>, (columns, rows): &(Range<usize>, Range<usize>)) -> Self {
         let (mut sum, mut count) = (0u64, 0u64);
-        for y in 1..image.height() {
-            for x in 1..image.width() {
-                if near(x, y) {
-                    let here = image.get(x, y);
-                    sum += u64::from(difference(here, image.get(x - 1, y)) + difference(here, image.get(x, y - 1)));
-                    count += 2;
-                }
+        for y in rows.start.max(1)..rows.end {
+            let (row, above) = (image.row(y), image.row(y - 1));
+            for x in columns.start.max(1)..columns.end {
+                sum += u64::from(difference(row[x], row[x - 1]) + difference(row[x], above[x]));
+                count += 2;
             }
         }
         let mean = (sum as f32 / count.max(1) as f32).max(4.0);
-        let largest = 3 * 255 * 255 / TABLE_STEP;
-        let table = (0..=largest).map(|i| 0.05 + 0.95 * (-((i * TABLE_STEP) as f32) / (2.0 * mean)).exp()).collect();
-        Self { table }
+        let scale = TABLE as f32 / (2.0 * mean * FALL);
+        let weight = |i: usize| FLOOR + (1.0 - FLOOR) * (-(i as f32) * FALL / TABLE as f32).exp();
+        Self { scale, table: (0..=TABLE).map(weight).collect() }
     }
 
     #[inline]
     fn weight(&self, a: [u8; 3], b: [u8; 3]) -> f32 {
-        self.table[(difference(a, b) / TABLE_STEP as u32) as usize]
+        self.table[((difference(a, b) as f32 * self.scale) as usize).min(TABLE)]
     }
 }
 
-/// Squared differences for one entry of the contrast table.
-const TABLE_STEP: usize = 4;
+/// Entries of the contrast table; beyond its last exponent edges weigh the least they can.
+const TABLE: usize = 512;
+const FALL: f32 = 6.0;
+/// The weight of an edge across any contrast: outlines have a price of their own.
+const FLOOR: f32 = 0.05;
+/// No cell: out of reach.
+const FAR: u32 = u32::MAX;
 
 fn difference(a: [u8; 3], b: [u8; 3]) -> u32 {
     a.iter().zip(b).map(|(&x, y)| u32::from(x.abs_diff(y)).pow(2)).sum()

@@ -33,6 +33,9 @@ const UNKNOWN: u8 = u8::MAX;
 /// Full occupancy in the stored bytes.
 const FULL: f32 = 250.0;
 
+/// Bounds what is kept for a frame, for rigs of very many limbs.
+const MAX_CELLS: usize = 1 << 19;
+
 /// Cells of limb coordinates: sample, side, distance in whole working pixels.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Cells {
@@ -43,7 +46,8 @@ pub(super) struct Cells {
 
 impl Cells {
     pub(super) fn new(samples: usize, reach: f32) -> Self {
-        Self { samples, reach: (reach.ceil() as usize).clamp(4, 400) }
+        let bound = MAX_CELLS / (2 * samples.max(1));
+        Self { samples, reach: (reach.ceil() as usize).min(bound).clamp(4, 400) }
     }
 
     fn count(&self) -> usize {

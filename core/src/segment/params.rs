@@ -59,7 +59,7 @@ impl Default for SegmentParams {
     fn default() -> Self {
         Self {
             method: Method::default(),
-            working_side: 432,
+            working_side: 384,
             passes: 3,
             reach: 0.6,
             colour_weight: 1.0,

@@ -107,8 +107,9 @@ pub(super) struct Limbs {
     pub(super) drawn: Vec<Vec<bool>>,
 }
 
-/// Longest row of samples of one limb.
+/// Most samples of one limb, and of all limbs together.
 const MAX_SAMPLES: usize = 400;
+const MAX_ALL_SAMPLES: usize = 1 << 15;
 
 impl Limbs {
     /// The rig's limbs as `motion` tracked them, a sample about every `spacing` working pixels. Frames or limbs that
@@ -116,9 +117,10 @@ impl Limbs {
     pub(super) fn new(rig: &Rig, motion: &Motion, scale: Vec2, frames: usize, spacing: f32) -> Self {
         let skeleton = Skeleton::new(rig, rig.size.0.max(rig.size.1).max(1) as f32 / 50.0);
         let (mut limb, mut first, mut trusted) = (Vec::new(), vec![0], Vec::new());
+        let most = (MAX_ALL_SAMPLES / rig.limbs.len().max(1)).clamp(3, MAX_SAMPLES);
         for l in 0..rig.limbs.len() {
             let length = rig.length_hint(l) * 0.5 * (scale.x + scale.y);
-            let count = ((length / spacing).round() as usize + 1).clamp(3, MAX_SAMPLES);
+            let count = ((length / spacing).round() as usize + 1).clamp(3, most);
             let chain = &skeleton.limbs[l];
             for i in 0..count {
                 let along = i as f32 / (count - 1) as f32;
