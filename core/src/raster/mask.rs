@@ -82,6 +82,11 @@ impl Mask {
         self.words.iter().map(|w| w.count_ones() as usize).sum()
     }
 
+    /// Takes out every pixel that is not in `other`, a mask of the same size.
+    pub fn intersect(&mut self, other: &Self) {
+        self.words.iter_mut().zip(&other.words).for_each(|(a, b)| *a &= b);
+    }
+
     /// Intersection over union with a mask of the same size; 1 when both are empty.
     pub fn iou(&self, other: &Self) -> f64 {
         let (mut both, mut any) = (0u64, 0u64);

@@ -1,4 +1,7 @@
-//! The built-in segmenter.
+//! The built-in segmenter: reads the clip at working size, finds the masks, and brings them to the clip's size.
+//!
+//! A clip with opacity is taken at its word: one that is mostly transparent is a cut-out, and what is opaque by half
+//! is the mask; in any other, nothing transparent is creature. What the user painted overrides everything.
 
 use super::layered::{Layers, SPACING};
 use super::painted::Painted;
@@ -6,7 +9,7 @@ use super::params::{Method, SegmentParams};
 use super::refine::refine;
 use super::working::{Limbs, Working, for_batches};
 use super::{Segmenter, paper};
-use crate::clip::Clip;
+use crate::clip::{Clip, Picture};
 use crate::error::Result;
 use crate::job::Stage;
 use crate::motion::Motion;
@@ -26,6 +29,11 @@ impl Segmenter for CostVolumeSegmenter {
         rig.validate(Some(((info.width, info.height), info.frames)))?;
         let painted = Painted::read(rig)?;
         let working = Working::read(clip, self.params.working_side, stage.part(0.0, 0.15))?;
+        if let Some(mut masks) = working.cut_out() {
+            masks.iter_mut().enumerate().for_each(|(frame, mask)| painted.apply(frame, mask));
+            stage.at(1.0)?;
+            return Ok(masks);
+        }
         let small = match self.params.method {
             Method::Layered => {
                 let limbs = Limbs::new(rig, motion, working.scale, info.frames, SPACING);
@@ -38,16 +46,15 @@ impl Segmenter for CostVolumeSegmenter {
             }
         };
         let mut masks = Vec::with_capacity(info.frames);
-        for_batches(
-            clip,
-            stage.part(0.85, 1.0),
-            |f, picture| {
-                let mut mask = refine(&picture.rgb, &small[f]);
-                painted.apply(f, &mut mask);
-                Ok(mask)
-            },
-            &mut masks,
-        )?;
+        let finish = |frame: usize, picture: &Picture| {
+            let mut mask = refine(&picture.rgb, &small[frame]);
+            if let Some(opaque) = &working.opaque[frame] {
+                mask.intersect(opaque);
+            }
+            painted.apply(frame, &mut mask);
+            Ok(mask)
+        };
+        for_batches(clip, stage.part(0.85, 1.0), finish, &mut masks)?;
         Ok(masks)
     }
 }

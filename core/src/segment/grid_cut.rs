@@ -27,7 +27,7 @@ pub(crate) enum Neighbour {
     BelowLeft,
 }
 
-/// A cut problem over `width * height` pixels. Reusable: [`Self::clear`] keeps the memory.
+/// A cut problem over `width * height` pixels.
 pub(crate) struct GridCut {
     width: usize,
     height: usize,
@@ -67,20 +67,6 @@ impl GridCut {
             orphans: VecDeque::new(),
             time: 0,
         }
-    }
-
-    /// Takes all capacity away.
-    pub(crate) fn clear(&mut self) {
-        self.residual.fill([0; DIRECTIONS]);
-        self.terminal.fill(0);
-        self.tree.fill(FREE);
-        self.parent.fill(NONE);
-        self.confirmed.fill(0);
-        self.distance.fill(0);
-        self.queued.fill(false);
-        self.active.clear();
-        self.orphans.clear();
-        self.time = 0;
     }
 
     fn node(&self, x: usize, y: usize) -> usize {
@@ -364,10 +350,6 @@ mod tests {
         ) {
             let (w, h) = (4, 3);
             let mut cut = GridCut::new(w, h);
-            // A used problem must behave as a new one.
-            cut.add_terminal(1, 1, 50);
-            cut.solve();
-            cut.clear();
             for y in 0..h {
                 for x in 0..w {
                     cut.add_terminal(x, y, terminals[y * w + x]);

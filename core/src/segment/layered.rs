@@ -31,11 +31,13 @@ const UNIT: f32 = 256.0;
 /// How soft a limb's border is, as a share of its radius and in pixels.
 const SOFTNESS: (f32, f32) = (0.2, 1.5);
 /// Prior knowledge is never surer than this (natural logarithm of odds).
-const SURE: f32 = 3.0;
+const SURE: f32 = 2.2;
 
 /// The weight of a limb's shape where its track cannot be trusted at all.
 const DOUBTED: f32 = 0.25;
 
+/// Least radius of a limb, as a share of the creature's extent.
+const LEAST_RADIUS: f32 = 0.015;
 /// More than all other costs of a pixel together.
 const CERTAIN: i32 = 1 << 20;
 /// Holes of at most this share of the mask are filled; larger ones are seen between limbs.
@@ -65,6 +67,10 @@ pub(super) struct Layers<'a> {
     windows: Vec<(Range<usize>, Range<usize>)>,
     /// What the user painted, at working size.
     known: BTreeMap<usize, Grid<Known>>,
+    /// The masks of frames that are painted all over.
+    painted: BTreeMap<usize, Mask>,
+    /// Radii below this are not believed.
+    least_radius: f32,
 }
 
 impl<'a> Layers<'a> {
@@ -88,7 +94,11 @@ impl<'a> Layers<'a> {
             Ok((field, window))
         })?;
         let (fields, windows) = prepared.into_iter().unzip();
-        Ok(Self { working, limbs, params, cells, fields, windows, known })
+        let whole = known.iter().filter(|(_, k)| k.data().iter().all(|&p| p != Known::Nothing));
+        let mask = |k: &Grid<Known>| Mask::from_fn(k.width(), k.height(), |x, y| k.get(x, y) == Known::Creature);
+        let painted = whole.map(|(&frame, k)| (frame, mask(k))).collect();
+        let least_radius = LEAST_RADIUS * limbs.extent();
+        Ok(Self { working, limbs, params, cells, fields, windows, known, painted, least_radius })
     }
 
     /// The creature in every frame, at working size.
@@ -231,9 +241,12 @@ impl<'a> Layers<'a> {
         })?;
         let (accepted, mut trust): (Vec<Mask>, Vec<Vec<f32>>) = found.into_iter().unzip();
         for limb in 0..limbs {
-            // Colours that creature and background share cannot agree even where the stroke is right.
-            let drawn = (0..trust.len()).filter(|&f| self.limbs.drawn[f][limb]);
-            let best = drawn.map(|f| trust[f][limb]).fold(0.0f32, f32::max).max(0.1);
+            // Colours that creature and background share cannot agree even where the stroke is right. A painted frame
+            // agrees with itself, which says nothing.
+            let honest = |f: &usize| !self.painted.contains_key(f);
+            let drawn = (0..trust.len()).filter(honest).filter(|&f| self.limbs.drawn[f][limb]);
+            let any = (0..trust.len()).filter(honest).map(|f| trust[f][limb]).fold(0.0f32, f32::max);
+            let best = drawn.map(|f| trust[f][limb]).reduce(f32::max).unwrap_or(any).max(0.1);
             for (frame, t) in trust.iter_mut().enumerate() {
                 t[limb] = if self.limbs.drawn[frame][limb] { 1.0 } else { (t[limb] / best).min(1.0) };
             }
@@ -250,11 +263,13 @@ impl<'a> Layers<'a> {
                 || Profile::new(self.cells),
                 |mut profile, frame| {
                     stage.at(frame as f64 / frames as f64)?;
+                    // A few painted frames must be heard among many that only suppose.
+                    let weight = if self.painted.contains_key(&frame) { 1 + frames as u32 / 4 } else { 1 };
                     let (columns, rows) = &self.windows[frame];
                     for y in rows.clone() {
                         for x in columns.clone() {
                             if let Some(cell) = self.cells.of(self.fields[frame].get(x, y)) {
-                                profile.add(cell, evidence[frame].at(x, y));
+                                profile.add(cell, evidence[frame].at(x, y), weight);
                             }
                         }
                     }
@@ -268,7 +283,7 @@ impl<'a> Layers<'a> {
                     Ok(a)
                 },
             )?;
-        Ok(all.radii(self.limbs, frames))
+        Ok(all.radii(self.limbs, frames, self.least_radius))
     }
 
     /// One pass over all frames; `masks` are those of the last pass.
@@ -280,12 +295,10 @@ impl<'a> Layers<'a> {
         masks: Option<&[Mask]>,
         stage: Stage<'_>,
     ) -> Result<Vec<Mask>> {
-        let occupied = match masks {
-            Some(masks) => {
-                self.each_frame(stage.part(0.0, 0.1), |f| occupancy(&masks[f], &self.fields[f], self.cells))?
-            }
-            None => Vec::new(),
-        };
+        let occupied = self.each_frame(stage.part(0.0, 0.1), |frame| {
+            let mask = masks.map(|m| &m[frame]).or_else(|| self.painted.get(&frame));
+            mask.map_or_else(Vec::new, |m| occupancy(m, &self.fields[frame], self.cells))
+        })?;
         let reach = self.cells.reach;
         self.each_frame(stage.part(0.1, 1.0), |frame| {
             let by_radius = |cell: usize| {
@@ -293,17 +306,12 @@ impl<'a> Layers<'a> {
                 let r = radii[sample][side];
                 ((r - distance - 0.5) / (SOFTNESS.0 * r + SOFTNESS.1)).clamp(-SURE, SURE)
             };
-            let prior: Vec<f32> = if occupied.is_empty() {
-                (0..self.limbs.len() * 2 * reach).map(by_radius).collect()
-            } else {
-                let chance = |cell: usize| 1.0 / (1.0 + (-by_radius(cell)).exp());
-                let shares = carried(&occupied, frame, self.params.memory, |f| self.known.contains_key(&f), chance);
-                shares
-                    .iter()
-                    .map(|&s| (s.clamp(1e-3, 0.999) / (1.0 - s.clamp(1e-3, 0.999))).ln().clamp(-SURE, SURE))
-                    .collect()
-            };
-            let weighed = prior.iter().enumerate().map(|(cell, p)| {
+            let chance = |cell: usize| 1.0 / (1.0 + (-by_radius(cell)).exp());
+            let painted = |f: usize| self.painted.contains_key(&f);
+            let shares = carried(&occupied, self.cells, frame, self.params.memory, painted, chance);
+            let odds = |share: f32| (share / (1.0 - share)).ln().clamp(-SURE, SURE);
+            let prior = shares.iter().map(|&s| odds(s.clamp(1e-3, 0.999)));
+            let weighed = prior.enumerate().map(|(cell, p)| {
                 let limb = usize::from(self.limbs.limb[cell / reach / 2]);
                 p * (DOUBTED + (1.0 - DOUBTED) * trust[frame][limb].powi(2))
             });

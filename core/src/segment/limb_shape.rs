@@ -17,7 +17,7 @@ const CLIP: f32 = 1.0;
 /// Fixed point of summed evidence.
 const UNIT: f32 = 1024.0;
 /// Evidence that a pixel of creature must exceed: what is no better than chance does not widen a limb.
-const BIAS: f32 = 0.08;
+const BIAS: f32 = 0.14;
 /// What a step of the radius between neighbouring samples costs, in evidence for one pixel.
 const STIFFNESS: f32 = 0.6;
 /// The radius of a sample is also judged by its twin's evidence, with this weight.
@@ -25,7 +25,7 @@ const TWIN_WEIGHT: f32 = 0.7;
 /// Weights of carried masks, where 1 is the frame next to the one looked at (nearly).
 const OWN_WEIGHT: f32 = 0.3;
 const FALLBACK_WEIGHT: f32 = 0.2;
-const PAINTED_WEIGHT: f32 = 3.0;
+const PAINTED_WEIGHT: f32 = 10.0;
 /// How much longer painted masks are remembered.
 const PAINTED_MEMORY: f32 = 3.0;
 /// Places with fewer pixels than this over all frames say nothing.
@@ -50,7 +50,8 @@ impl Cells {
         Self { samples, reach: (reach.ceil() as usize).min(bound).clamp(4, 400) }
     }
 
-    fn count(&self) -> usize {
+    /// How many there are.
+    pub(super) fn count(&self) -> usize {
         self.samples * 2 * self.reach
     }
 
@@ -76,9 +77,9 @@ impl Profile {
     }
 
     #[inline]
-    pub(super) fn add(&mut self, cell: usize, evidence: f32) {
-        self.sums[cell] += (evidence.clamp(-CLIP, CLIP) * UNIT) as i64;
-        self.counts[cell] += 1;
+    pub(super) fn add(&mut self, cell: usize, evidence: f32, weight: u32) {
+        self.sums[cell] += (evidence.clamp(-CLIP, CLIP) * UNIT) as i64 * i64::from(weight);
+        self.counts[cell] += weight;
     }
 
     pub(super) fn merge(&mut self, other: &Self) {
@@ -87,7 +88,8 @@ impl Profile {
     }
 
     /// The radius beside every sample on either side, in working pixels: `[sample][side]`.
-    pub(super) fn radii(&self, limbs: &Limbs, frames: usize) -> Vec<[f32; 2]> {
+    /// None is below `least`: a stroke is drawn inside its limb, however little the colours say.
+    pub(super) fn radii(&self, limbs: &Limbs, frames: usize, least: f32) -> Vec<[f32; 2]> {
         let mut radii = vec![[0.0; 2]; self.cells.samples];
         let jobs: Vec<(usize, usize)> = (0..limbs.first.len() - 1)
             .flat_map(|l| [(l, 0), (l, 1)])
@@ -96,7 +98,7 @@ impl Profile {
         let solved: Vec<Vec<usize>> = jobs.par_iter().map(|&(l, side)| self.solve(limbs, l, side, frames)).collect();
         for (&(limb, side), solution) in jobs.iter().zip(solved) {
             for (sample, r) in limbs.of(limb).zip(solution) {
-                radii[sample][side] = r as f32 + 0.5;
+                radii[sample][side] = (r as f32 + 0.5).max(least);
             }
         }
         radii
@@ -184,16 +186,17 @@ pub(super) fn occupancy(mask: &Mask, field: &Grid<Place>, cells: Cells) -> Vec<u
 }
 
 /// The share of creature in every cell around `frame`: frames weigh `exp(-distance / memory)`, the frame itself
-/// little, because its mask is what is to be found; `painted` frames weigh more and are remembered for longer. Cells
-/// that no frame knows take `fallback`.
+/// little, because its mask is what is to be found; `painted` frames weigh more and are remembered for longer. Frames
+/// whose entry is empty have no mask yet. Cells that no frame knows take `fallback`.
 pub(super) fn carried(
     occupied: &[Vec<u8>],
+    cells: Cells,
     frame: usize,
     memory: f32,
     painted: impl Fn(usize) -> bool,
     fallback: impl Fn(usize) -> f32,
 ) -> Vec<f32> {
-    let count = occupied.first().map_or(0, Vec::len);
+    let count = cells.count();
     let (mut sums, mut totals) = (vec![0.0f32; count], vec![0.0f32; count]);
     let span = (memory * 3.0 * PAINTED_MEMORY).ceil() as usize;
     for other in frame.saturating_sub(span)..=(frame + span).min(occupied.len().saturating_sub(1)) {

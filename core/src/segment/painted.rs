@@ -36,21 +36,6 @@ impl Painted {
         Ok(Self { frames })
     }
 
-    /// Adds pixels that are certainly background, as where a picture is transparent. What is painted stays.
-    pub(super) fn add_background(&mut self, frame: usize, background: &Mask) {
-        let known = self
-            .frames
-            .entry(frame)
-            .or_insert_with(|| Grid::new(background.width(), background.height(), Known::Nothing));
-        for y in 0..background.height() {
-            for x in 0..background.width() {
-                if background.get(x, y) && known.get(x, y) == Known::Nothing {
-                    known.set(x, y, Known::Background);
-                }
-            }
-        }
-    }
-
     /// Puts what is known of `frame` into its mask.
     pub(super) fn apply(&self, frame: usize, mask: &mut Mask) {
         let Some(known) = self.frames.get(&frame) else { return };

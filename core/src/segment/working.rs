@@ -11,13 +11,15 @@ use crate::error::Result;
 use crate::geometry::polyline;
 use crate::job::Stage;
 use crate::motion::Motion;
-use crate::raster::{Grid, pyramid};
+use crate::raster::{Grid, Mask, pyramid};
 use crate::rig::{Rig, Skeleton};
 
 /// Frames decoded before they are reduced side by side.
 pub(super) const BATCH: usize = 8;
 /// Pixels kept over all frames.
 const MAX_PIXELS: f64 = 48e6;
+/// A clip of which more is opaque than this is a scene, not a cut-out.
+const CUT_OUT_SHARE: f64 = 0.6;
 /// A working image is no smaller than this, however long the clip.
 const MIN_SIDE: u32 = 160;
 /// Share of a terminal limb, at its free end, that is drawn too long or hidden too often to be trusted (Reinert 2016).
@@ -30,6 +32,8 @@ pub(super) struct Working {
     /// Working pixels for one pixel of the clip.
     pub(super) scale: Vec2,
     pub(super) frames: Vec<Grid<[u8; 3]>>,
+    /// Where each frame is opaque, in the clip's size, when the clip has opacity.
+    pub(super) opaque: Vec<Option<Mask>>,
 }
 
 impl Working {
@@ -42,9 +46,22 @@ impl Working {
         let side = side.min((bound as u32).max(MIN_SIDE)).max(1);
         let (width, height) = pyramid::fitted(info.width, info.height, side);
         let mut frames = Vec::with_capacity(info.frames);
-        for_batches(clip, stage, |_, picture| Ok(reduce(picture, width, height)), &mut frames)?;
+        let read =
+            |_, picture: &Picture| Ok((reduce(picture, width, height), picture.alpha.as_ref().map(Mask::from_image)));
+        for_batches(clip, stage, read, &mut frames)?;
+        let (frames, opaque) = frames.into_iter().unzip();
         let scale = vec2(width as f32 / info.width.max(1) as f32, height as f32 / info.height.max(1) as f32);
-        Ok(Self { width: width as usize, height: height as usize, scale, frames })
+        Ok(Self { width: width as usize, height: height as usize, scale, frames, opaque })
+    }
+}
+
+impl Working {
+    /// The masks of a cut-out: a clip with opacity of which little is opaque shows nothing but the creature.
+    pub(super) fn cut_out(&self) -> Option<Vec<Mask>> {
+        let opaque: Vec<Mask> = self.opaque.iter().cloned().collect::<Option<_>>()?;
+        let covered: usize = opaque.iter().map(Mask::count).sum();
+        let all: usize = opaque.iter().map(|m| m.width() * m.height()).sum();
+        (covered as f64 <= CUT_OUT_SHARE * all as f64).then_some(opaque)
     }
 }
 
