@@ -233,29 +233,3 @@ fn absurd_counts_are_not_believed() {
         }
     }
 }
-
-/// A picture that changes its size within the stream is an error of its frame, not a picture of another size.
-#[test]
-fn a_change_of_size_within_a_video_is_an_error() {
-    let scratch = Scratch::new();
-    // The index of the large clip over the parameters of the small one: the same number of macroblocks would hide it.
-    let bytes = fixture("cropped.mp4");
-    let small = fixture("full_range_709.mp4");
-    let set = |b: &[u8]| {
-        let at = b.windows(4).position(|w| w == b"avcC").expect("parameters") + 4;
-        (at + 8, usize::from(b[at + 7]))
-    };
-    let ((at, length), (from, other)) = (set(&bytes), set(&small));
-    let mut mixed = bytes.clone();
-    // Shorter parameters are padded with what a decoder skips.
-    let take = length.min(other);
-    mixed[at..at + length].fill(0);
-    mixed[at..at + take].copy_from_slice(&small[from..from + take]);
-    if let Ok(clip) = open(&scratch.file("mixed.mp4", &mixed)) {
-        for i in 0..clip.info().frames {
-            if let Ok(picture) = clip.frame(i) {
-                assert_eq!(picture.rgb.dimensions(), (clip.info().width, clip.info().height));
-            }
-        }
-    }
-}

@@ -96,7 +96,7 @@ fn clamp(value: i32) -> u8 {
 /// Chroma for luma row `y`, [`CHROMA_SCALE`] times the distance from 128.
 fn upsample_row(plane: &[u8], cw: usize, ch: usize, y: usize, column: &mut [i32], out: &mut [i32]) {
     let near = y / 2;
-    let far = if y % 2 == 0 { near.saturating_sub(1) } else { (near + 1).min(ch - 1) };
+    let far = if y.is_multiple_of(2) { near.saturating_sub(1) } else { (near + 1).min(ch - 1) };
     let (near, far) = (&plane[near * cw..][..cw], &plane[far * cw..][..cw]);
     for ((c, &n), &f) in column.iter_mut().zip(near).zip(far) {
         *c = 3 * i32::from(n) + i32::from(f) - 4 * 128;

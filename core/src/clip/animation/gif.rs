@@ -16,7 +16,7 @@ const NO_DELAY: u16 = 1;
 
 pub(in crate::clip) fn open(path: &Path, options: &ClipOptions) -> Attempt<Opened> {
     let file = File::open(path).map_err(|e| Error::io(path, "open", e))?;
-    let index = Walk::new(BufReader::new(file)).and_then(|walk| scan(walk)).map_err(|e| Error::io(path, "read", e))?;
+    let index = Walk::new(BufReader::new(file)).and_then(scan).map_err(|e| Error::io(path, "read", e))?;
     opened(path, options, "gif", index, None, start)
 }
 
