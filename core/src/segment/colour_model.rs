@@ -83,7 +83,7 @@ impl Density {
 
 #[inline]
 fn bin(bins: usize, colour: [u8; 3]) -> usize {
-    let [r, g, b] = colour.map(|v| usize::from(v) * bins >> 8);
+    let [r, g, b] = colour.map(|v| (usize::from(v) * bins) >> 8);
     (r * bins + g) * bins + b
 }
 

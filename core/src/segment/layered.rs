@@ -409,16 +409,16 @@ impl<'a> Layers<'a> {
 
 /// The columns and rows that have a cell.
 fn window(field: &Grid<Place>, cells: Cells) -> (Range<usize>, Range<usize>) {
-    let (mut columns, mut rows) = (usize::MAX..0, usize::MAX..0);
+    let mut found: Option<(Range<usize>, Range<usize>)> = None;
     for y in 0..field.height() {
         for (x, &place) in field.row(y).iter().enumerate() {
             if cells.of(place).is_some() {
-                columns = columns.start.min(x)..columns.end.max(x + 1);
-                rows = rows.start.min(y)..y + 1;
+                let (columns, rows) = found.unwrap_or((x..x + 1, y..y + 1));
+                found = Some((columns.start.min(x)..columns.end.max(x + 1), rows.start..y + 1));
             }
         }
     }
-    if columns.is_empty() { (0..0, 0..0) } else { (columns, rows) }
+    found.unwrap_or((0..0, 0..0))
 }
 
 /// Runs `work` for every frame side by side; results in order.
