@@ -1,6 +1,7 @@
 //! Segments a clip along its strokes and writes one mask a frame and the motion, with the time it took.
 //!
 //! `segment_eval CLIP STROKES OUT_DIR [MOTION] [paper] [NAME=NUMBER ...]`: without a motion file the strokes are tracked first.
+#![expect(clippy::print_stdout, reason = "an example speaks to a person")]
 
 use std::path::PathBuf;
 use std::time::Instant;

@@ -1,7 +1,7 @@
 //! Tracks the limbs of one clip and writes motion.json, saying how long it took: for comparing parameters.
 //!
 //! `cargo run --release -p marey --example track_eval -- CLIP STROKES.json MOTION.json [paper]`
-#![allow(clippy::print_stdout)]
+#![expect(clippy::print_stdout, reason = "an example speaks to a person")]
 
 use std::time::Instant;
 

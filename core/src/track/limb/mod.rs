@@ -4,6 +4,7 @@ mod candidates;
 mod carry;
 mod claims;
 mod confidence;
+mod crossings;
 mod footage;
 mod foreground;
 mod limb_keys;

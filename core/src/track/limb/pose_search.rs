@@ -103,13 +103,16 @@ fn distinct(mut all: Vec<Partial>, keep: usize, from: usize, least: f32) -> Vec<
 /// Rounds of [`settle`], each with smaller tries.
 const SETTLING: [f32; 3] = [0.10, 0.05, 0.025];
 
+/// A small change of a pose.
+type Try = Box<dyn Fn(&[Vec2]) -> Vec<Vec2>>;
+
 /// The best fit near `pose`: turns at places along the limb, stretch, and shifts where `free`, tried in turn.
-pub(super) fn settle(strip: &Strip, view: &View<'_>, frame: usize, pose: Vec<Vec2>, free: bool) -> Vec<Vec2> {
+pub(super) fn settle(strip: &Strip, view: &View<'_>, frame: usize, pose: &[Vec2], free: bool) -> Vec<Vec2> {
     let n = pose.len();
     let length: f32 = pose.windows(2).map(|p| p[0].distance(p[1])).sum();
-    let (mut best, mut best_cost) = (pose.clone(), strip.cost(view, frame, &pose));
+    let (mut best, mut best_cost) = (pose.to_vec(), strip.cost(view, frame, pose));
     for step in SETTLING {
-        let mut tries: Vec<Box<dyn Fn(&[Vec2]) -> Vec<Vec2>>> = Vec::new();
+        let mut tries: Vec<Try> = Vec::new();
         for sign in [-1.0, 1.0] {
             for joint in [0, n / 4, n / 2, 3 * n / 4] {
                 tries.push(Box::new(move |p| bent(p, joint, sign * step)));
@@ -121,7 +124,7 @@ pub(super) fn settle(strip: &Strip, view: &View<'_>, frame: usize, pose: Vec<Vec
         }
         for attempt in &tries {
             let moved = attempt(&best);
-            let cost = strip.cost(view, frame, &moved) + DEPARTURE * apart(&moved, &pose) / length;
+            let cost = strip.cost(view, frame, &moved) + DEPARTURE * apart(&moved, pose) / length;
             if cost < best_cost {
                 (best, best_cost) = (moved, cost);
             }

@@ -11,6 +11,7 @@ use rayon::prelude::*;
 use super::carry::carry;
 use super::claims::{Claims, cover};
 use super::confidence::{Evidence, spread};
+use super::crossings;
 use super::footage::Footage;
 use super::foreground::Foreground;
 use super::limb_keys::LimbKeys;
@@ -369,9 +370,14 @@ fn solve_group(tasks: &mut [Task<'_>], claims: &Claims, ordered: bool, stage: St
         }
         paths = best(tasks, &lists, claims, ordered);
     }
+    let mut chosen: Vec<Vec<Vec<Vec2>>> = paths
+        .iter()
+        .zip(&lists)
+        .map(|(path, lists)| path.iter().zip(lists).map(|(&c, l)| l[c].pose.clone()).collect())
+        .collect();
+    untangle(tasks, &mut chosen);
     let mut solved: Vec<Solved> = Vec::with_capacity(count);
-    for (i, task) in tasks.iter().enumerate() {
-        let poses: Vec<Vec<Vec2>> = paths[i].iter().zip(&lists[i]).map(|(&c, l)| l[c].pose.clone()).collect();
+    for ((i, task), poses) in tasks.iter().enumerate().zip(chosen) {
         // Of a pair in known order, the second may be behind the first.
         let front = if ordered && i > 0 { tasks.first().zip(solved.first()) } else { None };
         let costs = path_costs(&lists[i], &PathWeights::default(), task.roots.as_deref());
@@ -381,6 +387,21 @@ fn solve_group(tasks: &mut [Task<'_>], claims: &Claims, ordered: bool, stage: St
         solved.push(Solved { poses, visible, confidence });
     }
     Ok(solved)
+}
+
+/// Gives the limbs of a pair back their own poses where they bounced off each other.
+fn untangle(tasks: &[Task<'_>], chosen: &mut [Vec<Vec<Vec2>>]) {
+    let ([a, b], [first, second]) = (tasks, &mut *chosen) else { return };
+    let mut drawn = vec![false; first.len()];
+    a.keys.frames.iter().chain(&b.keys.frames).for_each(|&f| drawn[f] = true);
+    let exchange = crossings::exchanged([first.as_slice(), second.as_slice()], &drawn);
+    let own = |task: &Task<'_>, f: usize, old: &[Vec2], other: &[Vec2]| {
+        let pose = crossings::as_other(other, old[0], old.len());
+        pose_search::settle(&task.strip, &task.view(f), f, &pose, false)
+    };
+    for f in (0..first.len()).filter(|&f| exchange[f]) {
+        (first[f], second[f]) = (own(a, f, &first[f], &second[f]), own(b, f, &second[f], &first[f]));
+    }
 }
 
 /// What is known of every vertex in every frame.
@@ -511,7 +532,7 @@ fn near_poses(task: &Task<'_>, f: usize, path: &[Vec<Vec2>]) -> Vec<Vec<Vec2>> {
     }
     let view = task.view(f);
     let starts: Vec<Vec<Vec2>> = poses.iter().cloned().chain([path[f].clone()]).collect();
-    poses.extend(starts.into_iter().map(|p| pose_search::settle(&task.strip, &view, f, p, task.roots.is_none())));
+    poses.extend(starts.into_iter().map(|p| pose_search::settle(&task.strip, &view, f, &p, task.roots.is_none())));
     poses
 }
 
