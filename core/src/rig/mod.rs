@@ -117,15 +117,18 @@ impl Rig {
             });
         }
         for (i, limb) in self.limbs.iter().enumerate() {
-            let what = || format!("limb `{}`", limb.label);
             if limb.label.trim().is_empty() {
                 return Err(Error::invalid(format!("limb {i}"), "has no label", "give each limb a name"));
             }
             if self.limbs[..i].iter().any(|other| other.label == limb.label) {
-                return Err(Error::invalid(what(), "is listed twice", "give each limb its own label"));
+                let what = format!("limb `{}`", limb.label);
+                return Err(Error::invalid(what, "is listed twice", "give each limb its own label"));
             }
-            if !self.keyframes.iter().flat_map(|k| &k.strokes).any(|s| s.limb == i) {
-                return Err(Error::invalid(what(), "has no stroke", "draw it on a key frame or remove it"));
+        }
+        for (i, limb) in self.limbs.iter().enumerate() {
+            if self.keys_of(i).next().is_none() {
+                let what = format!("limb `{}`", limb.label);
+                return Err(Error::invalid(what, "has no stroke", "draw it on a key frame or remove it"));
             }
         }
         if self.keyframes.iter().all(|k| k.strokes.is_empty()) {
