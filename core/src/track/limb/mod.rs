@@ -5,6 +5,7 @@ mod carry;
 mod claims;
 mod confidence;
 mod crossings;
+mod drawn;
 mod footage;
 mod foreground;
 mod limb_keys;
