@@ -60,7 +60,7 @@ impl StagedFolder {
         Ok(Self { target, aside, staged, is_ours })
     }
 
-    /// Where to write for now.
+    /// The folder aside that files are written into; it becomes the target, or part of it, when all are there.
     pub fn path(&self) -> &Path {
         &self.staged
     }
