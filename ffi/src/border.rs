@@ -1,5 +1,5 @@
 //! The caller's memory, read and written in the only ways this library does: checked for NULL, alignment and size
-//! first, written only on success.
+//! first, written only on success, the needed count excepted.
 
 use std::ffi::c_char;
 use std::mem::{MaybeUninit, size_of};
@@ -23,7 +23,7 @@ fn null(param: &'static str) -> Failure {
     Failure::new(Code::MRY_E_NULL, param, format!("{param} is NULL"))
 }
 
-fn check<T>(ptr: *const T, param: &'static str) -> Outcome<()> {
+pub(crate) fn check<T>(ptr: *const T, param: &'static str) -> Outcome<()> {
     if ptr.is_null() {
         return Err(null(param));
     }
@@ -155,7 +155,7 @@ pub(crate) unsafe fn slice<'a, T>(ptr: *const T, count: usize, max: usize, param
 
 /// A caller's buffer for as many values as there turn out to be.
 pub(crate) struct Buffer<T> {
-    ptr: *mut T,
+    pub(crate) ptr: *mut T,
     capacity: usize,
     param: &'static str,
 }
@@ -170,15 +170,6 @@ impl<T: Copy> Buffer<T> {
         Ok(Self { ptr, capacity, param })
     }
 
-    /// A buffer that may be left out: NULL whatever the capacity.
-    ///
-    /// # Safety
-    /// As for [`Self::new`].
-    pub(crate) unsafe fn optional(ptr: *mut T, capacity: usize, param: &'static str) -> Outcome<Option<Self>> {
-        // SAFETY: as this function's own.
-        if ptr.is_null() { Ok(None) } else { unsafe { Self::new(ptr, capacity, param).map(Some) } }
-    }
-
     /// Whether `count` values fit; says how many are needed when they do not.
     pub(crate) fn fits(&self, count: usize) -> Outcome<()> {
         if count <= self.capacity {
@@ -186,12 +177,6 @@ impl<T: Copy> Buffer<T> {
         }
         let message = format!("{} has room for {}, and {count} are needed", self.param, self.capacity);
         Err(Failure::new(Code::MRY_E_BUFFER_TOO_SMALL, self.param, message))
-    }
-
-    /// Writes `values` when they fit, and their count either way.
-    pub(crate) fn fill(&self, values: &[T], out_count: &Out<usize>) -> Outcome<()> {
-        out_count.set(values.len());
-        self.write(values)
     }
 
     /// Writes `values` when they fit.
@@ -205,50 +190,109 @@ impl<T: Copy> Buffer<T> {
     }
 }
 
-impl Buffer<c_char> {
+/// A caller's buffer, and the place for the count that it has to hold.
+pub(crate) struct List<T> {
+    buffer: Buffer<T>,
+    out_count: Out<usize>,
+}
+
+impl<T: Copy> List<T> {
+    /// # Safety
+    /// As for [`Buffer::new`] and [`Out::new`].
+    pub(crate) unsafe fn new(
+        ptr: *mut T,
+        capacity: usize,
+        out_count: *mut usize,
+        param: &'static str,
+    ) -> Outcome<Self> {
+        // SAFETY: as this function's own.
+        unsafe { Ok(Self { buffer: Buffer::new(ptr, capacity, param)?, out_count: Out::new(out_count, "out_count")? }) }
+    }
+
+    /// Writes `values` when they fit, and their count either way.
+    pub(crate) fn fill(&self, values: &[T]) -> Outcome<Code> {
+        self.out_count.set(values.len());
+        self.buffer.write(values)?;
+        Ok(Code::MRY_OK)
+    }
+}
+
+/// A caller's buffer for text with a NUL, and the place for the bytes that it has to hold.
+pub(crate) struct Text {
+    buffer: Buffer<c_char>,
+    out_size: Out<usize>,
+}
+
+impl Text {
+    /// # Safety
+    /// As for [`Buffer::new`] and [`Out::new`].
+    pub(crate) unsafe fn new(
+        ptr: *mut c_char,
+        capacity: usize,
+        out_size: *mut usize,
+        param: &'static str,
+    ) -> Outcome<Self> {
+        // SAFETY: as this function's own.
+        unsafe { Ok(Self { buffer: Buffer::new(ptr, capacity, param)?, out_size: Out::new(out_size, "out_size")? }) }
+    }
+
     /// Writes `text` and a NUL when they fit, and the bytes needed either way.
-    pub(crate) fn fill_text(&self, text: &str, out_size: &Out<usize>) -> Outcome<()> {
+    pub(crate) fn fill(&self, text: &str) -> Outcome<Code> {
         let mut bytes = vec![0; text.len() + 1];
         copy_text(text, &mut bytes);
-        self.fill(&bytes, out_size)
+        self.out_size.set(bytes.len());
+        self.buffer.write(&bytes)?;
+        Ok(Code::MRY_OK)
     }
 }
 
-/// A caller's buffer for the rows of a picture.
-pub(crate) struct Rows {
-    buffer: Buffer<u8>,
-    stride: usize,
+/// Lists of one capacity, any of which may be left out, and the place for the count that each has to hold.
+pub(crate) struct Lists {
+    capacity: usize,
+    wanted: bool,
+    out_count: Out<usize>,
 }
 
-impl Rows {
+impl Lists {
     /// # Safety
-    /// `ptr` is null, or `capacity` bytes may be written there until the call returns.
-    pub(crate) unsafe fn new(ptr: *mut u8, capacity: usize, stride: usize, param: &'static str) -> Outcome<Self> {
-        check(ptr, param)?;
+    /// As for [`Out::new`].
+    pub(crate) unsafe fn new(capacity: usize, out_count: *mut usize) -> Outcome<Self> {
         // SAFETY: as this function's own.
-        Ok(Self { buffer: unsafe { Buffer::new(ptr, capacity, param)? }, stride })
+        Ok(Self { capacity, wanted: false, out_count: unsafe { Out::new(out_count, "out_count")? } })
     }
 
-    /// Checks that `height` rows of `row_bytes` fit; returns the distance between rows.
-    pub(crate) fn fits(&self, row_bytes: usize, height: usize) -> Outcome<usize> {
-        let stride = if self.stride == 0 { row_bytes } else { self.stride };
-        if stride < row_bytes {
-            let message = format!("stride_bytes is {stride}, and a row has {row_bytes} bytes");
-            return Err(Failure::argument("stride_bytes", message));
-        }
-        let all = height.checked_sub(1).and_then(|rows| stride.checked_mul(rows)?.checked_add(row_bytes));
-        let all = all.ok_or_else(|| Failure::argument("stride_bytes", "stride_bytes is absurdly large"))?;
-        self.buffer.fits(all)?;
-        Ok(stride)
+    /// One of the lists, with `each` values an entry.
+    ///
+    /// # Safety
+    /// `ptr` is null, or `each` values for every entry may be written there until the call returns.
+    pub(crate) unsafe fn list<T: Copy>(
+        &mut self,
+        ptr: *mut T,
+        each: usize,
+        param: &'static str,
+    ) -> Outcome<Option<Buffer<T>>> {
+        let absurd = || Failure::argument("capacity", format!("capacity is {}, which is absurd", self.capacity));
+        let capacity = self.capacity.checked_mul(each).ok_or_else(absurd)?;
+        self.wanted |= !ptr.is_null();
+        // SAFETY: as this function's own.
+        if ptr.is_null() { Ok(None) } else { unsafe { Buffer::new(ptr, capacity, param).map(Some) } }
     }
 
-    /// Writes rows of `row_bytes` each; bytes between rows are left alone.
-    pub(crate) fn write(&self, pixels: &[u8], row_bytes: usize) -> Outcome<()> {
-        let stride = self.fits(row_bytes, pixels.len() / row_bytes.max(1))?;
-        for (y, row) in pixels.chunks_exact(row_bytes.max(1)).enumerate() {
-            // SAFETY: `fits` has found the last row's end within the buffer.
-            unsafe { row.as_ptr().copy_to_nonoverlapping(self.buffer.ptr.add(y * stride), row_bytes) }
+    /// Writes the count, and refuses when `count` entries do not fit: one list speaks for all, before any is written.
+    pub(crate) fn fit(&self, count: usize) -> Outcome<()> {
+        self.out_count.set(count);
+        if self.wanted && count > self.capacity {
+            let message = format!("capacity is {}, and {count} are needed", self.capacity);
+            return Err(Failure::new(Code::MRY_E_BUFFER_TOO_SMALL, "capacity", message));
         }
         Ok(())
     }
+}
+
+/// A field of a description that this version has no use for must be zero.
+pub(crate) fn reserved(value: u32) -> Outcome<()> {
+    if value == 0 {
+        return Ok(());
+    }
+    Err(Failure::new(Code::MRY_E_UNSUPPORTED, "desc", "desc.reserved0 is not zero"))
 }

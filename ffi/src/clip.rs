@@ -6,10 +6,11 @@ use std::sync::Arc;
 
 use marey::clip::{Clip, ClipOptions};
 
-use crate::border::{self, Buffer, Out, OutStruct, Rows, Versioned};
+use crate::border::{self, Out, OutStruct, Text, Versioned};
 use crate::context::{MRY_LOG_WARNING, mry_context};
 use crate::error::{Failure, Outcome, copy_text, mry_error};
 use crate::guard::{Call, ending, entry};
+use crate::rows::Rows;
 use crate::status::{mry_status, mry_status_code as Code};
 use crate::string::mry_str;
 use crate::table::Table;
@@ -271,14 +272,13 @@ pub unsafe extern "C" fn mry_clip_get_warning(
     err: *mut mry_error,
 ) -> mry_status {
     entry!(context, err, |call| {
-        let (text, out) = (Buffer::new(text, capacity, "text")?, Out::new(out_size, "out_size")?);
+        let text = Text::new(text, capacity, out_size, "text")?;
         let clip = call.clip(clip, "clip")?;
         let warnings = &clip.info().warnings;
         let warning = warnings.get(index as usize).ok_or_else(|| {
             Failure::argument("index", format!("index is {index}, and there are {} warnings", warnings.len()))
         })?;
-        text.fill_text(warning, &out)?;
-        Ok(Code::MRY_OK)
+        text.fill(warning)
     })
 }
 

@@ -168,9 +168,7 @@ pub unsafe extern "C" fn mry_context_create(
         // SAFETY: each is NULL or valid for its type, which the header asks for.
         let (desc, out) = unsafe { (border::read(desc, "desc")?, Out::new(out_context, "out_context")?) };
         version::check(desc.abi_version)?;
-        if desc.reserved0 != 0 {
-            return Err(Failure::new(Code::MRY_E_UNSUPPORTED, "desc", "desc.reserved0 is not zero"));
-        }
+        border::reserved(desc.reserved0)?;
         if desc.threads as usize > MAX_THREADS {
             let message = format!("desc.threads is {}, and at most {MAX_THREADS} are allowed", desc.threads);
             return Err(Failure::argument("desc", message));

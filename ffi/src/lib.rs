@@ -9,32 +9,57 @@
 #![allow(non_camel_case_types, reason = "types and constants carry their C names, so that the header is this source")]
 #![allow(clippy::missing_safety_doc, reason = "the contract is the same for all functions; guard.rs states it")]
 
+mod advice;
+mod bones;
 mod border;
 mod clip;
 mod context;
 mod creature;
+mod creature_files;
 mod error;
 mod executor;
 mod guard;
 mod job;
+mod limb;
 mod masks;
+mod methods;
 mod motion;
+mod paint;
+mod reconstructing;
 mod rig;
+mod rows;
+mod running;
+mod segmenting;
 mod status;
 mod string;
+mod stroke;
+mod surface;
 mod table;
 #[cfg(feature = "test-panic")]
 pub mod test_panic;
+mod tracking;
+mod tracks;
 mod version;
 
+pub use advice::*;
+pub use bones::*;
 pub use clip::*;
 pub use context::*;
 pub use creature::*;
+pub use creature_files::*;
 pub use error::*;
 pub use job::*;
+pub use limb::*;
 pub use masks::*;
 pub use motion::*;
+pub use paint::*;
+pub use reconstructing::*;
 pub use rig::*;
+pub use segmenting::*;
 pub use status::*;
 pub use string::*;
+pub use stroke::*;
+pub use surface::*;
+pub use tracking::*;
+pub use tracks::*;
 pub use version::*;

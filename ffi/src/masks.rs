@@ -7,11 +7,12 @@ use marey::export::write_mask_folder;
 use marey::job::Progress;
 use marey::raster::Mask;
 
-use crate::border::{self, Out, OutStruct, Rows, Versioned};
+use crate::border::{self, OutStruct, Text, Versioned};
 use crate::clip::frame_index;
 use crate::context::mry_context;
 use crate::error::{Failure, Outcome, mry_error};
 use crate::guard::{Call, ending, entry};
+use crate::rows::Rows;
 use crate::status::{mry_status, mry_status_code as Code};
 use crate::string::mry_str;
 use crate::table::Table;
@@ -193,8 +194,7 @@ pub unsafe extern "C" fn mry_masks_get_report(
     err: *mut mry_error,
 ) -> mry_status {
     entry!(context, err, |call| {
-        let (text, out) = (border::Buffer::new(text, capacity, "text")?, Out::new(out_size, "out_size")?);
-        text.fill_text(&call.masks(masks)?.report.to_json(), &out)?;
-        Ok(Code::MRY_OK)
+        let text = Text::new(text, capacity, out_size, "text")?;
+        text.fill(&call.masks(masks)?.report.to_json())
     })
 }

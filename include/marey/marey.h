@@ -78,10 +78,10 @@
 #define MRY_MASKS_INFO_INIT { (uint32_t)sizeof(mry_masks_info), 0, 0, 0, 0 }
 #define MRY_CREATURE_INFO_INIT { (uint32_t)sizeof(mry_creature_info), 0, 0, 0, 0, 0, 0, 0.0, 0, 0 }
 #define MRY_PART_INFO_INIT { (uint32_t)sizeof(mry_part_info), 0, 0, 0, 0, 0 }
+#define MRY_JOB_STATE_INIT { (uint32_t)sizeof(mry_job_state), 0, 0.0, 0, { 0 } }
 #define MRY_TRACK_DESC_INIT { (uint32_t)sizeof(mry_track_desc), 0, { 0 }, { 0 }, { NULL, 0 } }
 #define MRY_SEGMENT_DESC_INIT { (uint32_t)sizeof(mry_segment_desc), 0, { 0 }, { 0 }, { 0 }, { NULL, 0 }, { NULL, 0 }, { NULL, 0 } }
 #define MRY_CREATURE_DESC_INIT { (uint32_t)sizeof(mry_creature_desc), 0, { 0 }, { 0 }, { NULL, 0 }, { NULL, 0 }, { NULL, 0 } }
-#define MRY_JOB_STATE_INIT { (uint32_t)sizeof(mry_job_state), 0, 0.0, 0, { 0 } }
 
 
 /** Log level: a contained defect of the library. */
@@ -324,6 +324,12 @@ typedef struct mry_motion_info {
   uint32_t reserved0;
 } mry_motion_info;
 
+/** A motion. */
+typedef struct mry_motion {
+  /** The id; 0 is no motion. */
+  uint64_t v;
+} mry_motion;
+
 /** A stroke that is worth drawing next. */
 typedef struct mry_correction {
   /** sizeof(mry_correction). */
@@ -337,12 +343,6 @@ typedef struct mry_correction {
   /** Zero. */
   uint32_t reserved0;
 } mry_correction;
-
-/** A motion. */
-typedef struct mry_motion {
-  /** The id; 0 is no motion. */
-  uint64_t v;
-} mry_motion;
 
 /** What masks are. */
 typedef struct mry_masks_info {
@@ -388,6 +388,20 @@ typedef struct mry_creature_info {
   uint64_t triangle_count;
 } mry_creature_info;
 
+/** A creature. */
+typedef struct mry_creature {
+  /** The id; 0 is no creature. */
+  uint64_t v;
+} mry_creature;
+
+/** A bone's place relative to its parent; roots are relative to the world. There is no scale. */
+typedef struct mry_transform {
+  /** Moved by x, y, z, in world units. */
+  float translation[3];
+  /** Turned by the unit quaternion x, y, z, w. */
+  float rotation[4];
+} mry_transform;
+
 /** What a part is. */
 typedef struct mry_part_info {
   /** sizeof(mry_part_info). */
@@ -404,19 +418,25 @@ typedef struct mry_part_info {
   uint64_t triangle_count;
 } mry_part_info;
 
-/** A creature. */
-typedef struct mry_creature {
-  /** The id; 0 is no creature. */
-  uint64_t v;
-} mry_creature;
+/** How a job is doing. */
+typedef struct mry_job_state {
+  /** sizeof(mry_job_state). */
+  uint32_t struct_size;
+  /** MRY_PENDING, MRY_OK, MRY_CANCELLED, or the error it ended with. */
+  mry_status status;
+  /** The share of the work that is done, 0..1; never goes back. */
+  double fraction;
+  /** Rises whenever anything else in this struct has changed since the last poll. */
+  uint64_t revision;
+  /** What is being done, a word or two, NUL-terminated: "waiting" before the job's turn. */
+  char stage[48];
+} mry_job_state;
 
-/** A bone's place relative to its parent; roots are relative to the world. There is no scale. */
-typedef struct mry_transform {
-  /** Moved by x, y, z, in world units. */
-  float translation[3];
-  /** Turned by the unit quaternion x, y, z, w. */
-  float rotation[4];
-} mry_transform;
+/** A job. */
+typedef struct mry_job {
+  /** The id; 0 is no job. */
+  uint64_t v;
+} mry_job;
 
 /** What to track. Start from MRY_TRACK_DESC_INIT; clip and rig must be set. */
 typedef struct mry_track_desc {
@@ -469,26 +489,6 @@ typedef struct mry_creature_desc {
   /** Where to write everything, see mry_creature_write_folder; empty for nowhere. */
   mry_str folder;
 } mry_creature_desc;
-
-/** How a job is doing. */
-typedef struct mry_job_state {
-  /** sizeof(mry_job_state). */
-  uint32_t struct_size;
-  /** MRY_PENDING, MRY_OK, MRY_CANCELLED, or the error it ended with. */
-  mry_status status;
-  /** The share of the work that is done, 0..1; never goes back. */
-  double fraction;
-  /** Rises whenever anything else in this struct has changed since the last poll. */
-  uint64_t revision;
-  /** What is being done, a word or two, NUL-terminated: "waiting" before the job's turn. */
-  char stage[48];
-} mry_job_state;
-
-/** A job. */
-typedef struct mry_job {
-  /** The id; 0 is no job. */
-  uint64_t v;
-} mry_job;
 
 #ifdef __cplusplus
 extern "C" {
@@ -781,9 +781,8 @@ mry_status mry_clip_read_frame(mry_context *context,
  * @defgroup rig Rigs
  *
  * Rigs. A rig is what a person draws on a clip: labelled limbs, one stroke a limb on each key frame, and hints for
- * the segmenter. Strokes that start or end near another's start or end are joined there. Limbs count from 0 in the
- * order they were added. A rig under construction may be incomplete; mry_rig_validate says what is missing, and every
- * job validates its copy first.
+ * the segmenter. A rig under construction may be incomplete; mry_rig_validate says what is missing, and every job
+ * validates its copy first.
  * @{
  */
 
@@ -887,6 +886,31 @@ mry_status mry_rig_to_json(mry_context *context,
 MRY_API mry_status mry_rig_destroy(mry_context *context, mry_rig rig);
 
 /**
+ * Whether jobs can work with the rig: each limb drawn somewhere, strokes within reach of the image, and so on.
+ *
+ * @param context  The context.
+ * @param rig      The rig.
+ * @param clip     The clip it is for, whose size and length it must fit; {0} to leave that out.
+ * @param err      What is missing or wrong, where, and what to do; or NULL.
+ * @return MRY_OK; MRY_E_INPUT, MRY_E_LIMIT, MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_rig_validate(mry_context *context,
+                            mry_rig rig,
+                            mry_clip clip,
+                            mry_error *err);
+
+/** @} */
+
+/**
+ * @defgroup limb Limbs
+ *
+ * Limbs. A limb is a body part that does not branch. A rig's limbs count from 0 in the order they were added.
+ * @{
+ */
+
+/**
  * Adds a limb: a body part that does not branch.
  *
  * @param context   The context.
@@ -945,6 +969,34 @@ mry_status mry_rig_get_limb(mry_context *context,
                             size_t *out_size,
                             int32_t *out_side,
                             mry_error *err);
+
+/**
+ * The longest drawn length of a limb: what a drawing tool shows a person who draws it again.
+ *
+ * @param context     The context.
+ * @param rig         The rig.
+ * @param limb        Its index.
+ * @param out_length  Clip pixels; 0 for a limb that is not drawn.
+ * @param err         Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_ARGUMENT (limb), MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_rig_get_length_hint(mry_context *context,
+                                   mry_rig rig,
+                                   uint32_t limb,
+                                   float *out_length,
+                                   mry_error *err);
+
+/** @} */
+
+/**
+ * @defgroup stroke Strokes
+ *
+ * Strokes. A stroke is a limb as it is drawn on one frame, from its start to its end; the frames that are drawn on are
+ * the key frames. Strokes that start or end near another's start or end are joined there.
+ * @{
+ */
 
 /**
  * Draws a limb on a frame, which becomes a key frame; an earlier stroke of the limb there is replaced.
@@ -1035,6 +1087,16 @@ mry_status mry_rig_get_keyframes(mry_context *context,
                                  size_t *out_count,
                                  mry_error *err);
 
+/** @} */
+
+/**
+ * @defgroup paint Paint
+ *
+ * Paint. Hints for the segmenter on key frames: brush strokes that say what is the creature's and what is not, and whole
+ * masks that a person painted.
+ * @{
+ */
+
 /**
  * Paints a hint for the segmenter on a frame: what is along the path is the creature's, or is not.
  *
@@ -1093,48 +1155,13 @@ mry_status mry_rig_set_mask(mry_context *context,
                             mry_str path,
                             mry_error *err);
 
-/**
- * The longest drawn length of a limb: what a drawing tool shows a person who draws it again.
- *
- * @param context     The context.
- * @param rig         The rig.
- * @param limb        Its index.
- * @param out_length  Clip pixels; 0 for a limb that is not drawn.
- * @param err         Detail of a failure, or NULL.
- * @return MRY_OK; MRY_E_ARGUMENT (limb), MRY_E_BUSY.
- * Thread: [any-thread]. Since 0.1.
- */
-MRY_API
-mry_status mry_rig_get_length_hint(mry_context *context,
-                                   mry_rig rig,
-                                   uint32_t limb,
-                                   float *out_length,
-                                   mry_error *err);
-
-/**
- * Whether jobs can work with the rig: each limb drawn somewhere, strokes within reach of the image, and so on.
- *
- * @param context  The context.
- * @param rig      The rig.
- * @param clip     The clip it is for, whose size and length it must fit; {0} to leave that out.
- * @param err      What is missing or wrong, where, and what to do; or NULL.
- * @return MRY_OK; MRY_E_INPUT, MRY_E_LIMIT, MRY_E_BUSY.
- * Thread: [any-thread]. Since 0.1.
- */
-MRY_API
-mry_status mry_rig_validate(mry_context *context,
-                            mry_rig rig,
-                            mry_clip clip,
-                            mry_error *err);
-
 /** @} */
 
 /**
  * @defgroup motion Motions
  *
  * Motions. A motion is named tracks over time, one a limb in the rig's order: for each frame where the limb's points
- * are, which are seen, and how far each is to be trusted. A track has the same number of points in every frame, from
- * the stroke's start to its end. Motions do not change.
+ * are, which are seen, and how far each is to be trusted. Motions do not change.
  * @{
  */
 
@@ -1148,15 +1175,6 @@ mry_status mry_rig_validate(mry_context *context,
 MRY_API
 void mry_motion_info_init(mry_motion_info *info,
                           uint32_t size);
-
-/**
- * Fills in a correction with struct_size set and everything else zero, for languages without the INIT macros.
- *
- * @param correction  Where to write; NULL does nothing.
- * @param size        sizeof(mry_correction) as the caller knows it.
- * Thread: [any-thread]. Since 0.1.
- */
-MRY_API void mry_correction_init(mry_correction *correction, uint32_t size);
 
 /**
  * Reads a motion.json file.
@@ -1254,6 +1272,16 @@ mry_status mry_motion_get_info(mry_context *context,
                                mry_motion_info *out_info,
                                mry_error *err);
 
+/** @} */
+
+/**
+ * @defgroup tracks Tracks
+ *
+ * Tracks. A motion has one for each limb, in the rig's order: the same number of points in every frame, from the
+ * stroke's start to its end. Tracks, frames and points count from 0.
+ * @{
+ */
+
 /**
  * A track's name, kind and number of points.
  *
@@ -1345,6 +1373,24 @@ mry_status mry_motion_get_bone(mry_context *context,
                                uint32_t *out_parent,
                                uint32_t *out_child,
                                mry_error *err);
+
+/** @} */
+
+/**
+ * @defgroup advice Advice
+ *
+ * Advice. What a person should draw next, and what there is to say about tracking.
+ * @{
+ */
+
+/**
+ * Fills in a correction with struct_size set and everything else zero, for languages without the INIT macros.
+ *
+ * @param correction  Where to write; NULL does nothing.
+ * @param size        sizeof(mry_correction) as the caller knows it.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API void mry_correction_init(mry_correction *correction, uint32_t size);
 
 /**
  * The strokes that would help most, the most helpful first: the limbs and frames that are trusted least.
@@ -1501,8 +1547,7 @@ mry_status mry_masks_get_report(mry_context *context,
  *
  * Creatures. A creature is a textured mesh in parts, one a limb, on bones that move over the clip's frames: linear
  * blend skinning as glTF 2.0 has it. World coordinates: right-handed, x right, y up, z toward the viewer, 1 unit =
- * 1 pixel of the clip, origin at the clip's bottom left. Bones, parts, vertices count from 0, parents come before
- * children. Creatures do not change.
+ * 1 pixel of the clip, origin at the clip's bottom left. Creatures do not change.
  * @{
  */
 
@@ -1516,15 +1561,6 @@ mry_status mry_masks_get_report(mry_context *context,
 MRY_API
 void mry_creature_info_init(mry_creature_info *info,
                             uint32_t size);
-
-/**
- * Fills in a part info with struct_size set and everything else zero, for languages without the INIT macros.
- *
- * @param info  Where to write; NULL does nothing.
- * @param size  sizeof(mry_part_info) as the caller knows it.
- * Thread: [any-thread]. Since 0.1.
- */
-MRY_API void mry_part_info_init(mry_part_info *info, uint32_t size);
 
 /**
  * Destroys a creature. A motion and masks that were got from it live on.
@@ -1607,6 +1643,15 @@ mry_status mry_creature_get_report(mry_context *context,
                                    size_t *out_size,
                                    mry_error *err);
 
+/** @} */
+
+/**
+ * @defgroup bones Bones
+ *
+ * Bones. A creature's skeleton and where it is in each frame. Bones count from 0, parents come before children.
+ * @{
+ */
+
 /**
  * A bone's name and parent.
  *
@@ -1652,6 +1697,25 @@ mry_status mry_creature_read_pose(mry_context *context,
                                   size_t capacity,
                                   size_t *out_count,
                                   mry_error *err);
+
+/** @} */
+
+/**
+ * @defgroup surface Surfaces
+ *
+ * Surfaces. A creature's parts, one a limb: vertices, triangles, the bones that hold them, and a texture. Parts and
+ * vertices count from 0.
+ * @{
+ */
+
+/**
+ * Fills in a part info with struct_size set and everything else zero, for languages without the INIT macros.
+ *
+ * @param info  Where to write; NULL does nothing.
+ * @param size  sizeof(mry_part_info) as the caller knows it.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API void mry_part_info_init(mry_part_info *info, uint32_t size);
 
 /**
  * A part's name and what it is.
@@ -1774,6 +1838,16 @@ mry_status mry_creature_read_texture(mry_context *context,
                                      size_t stride_bytes,
                                      mry_error *err);
 
+/** @} */
+
+/**
+ * @defgroup creature_files Creature files
+ *
+ * Creature files. What other programs read: glTF, OBJ, and the folder with everything. Each appears whole or not at
+ * all.
+ * @{
+ */
+
 /**
  * Writes the creature as one glTF 2.0 binary: meshes, skin, animation, textures. The file appears whole or not at
  * all.
@@ -1832,39 +1906,6 @@ mry_status mry_creature_write_folder(mry_context *context,
  */
 
 /**
- * Fills in a description with struct_size set and everything else zero, for languages without the INIT macros.
- *
- * @param desc  Where to write; NULL does nothing.
- * @param size  sizeof(mry_track_desc) as the caller knows it.
- * Thread: [any-thread]. Since 0.1.
- */
-MRY_API
-void mry_track_desc_init(mry_track_desc *desc,
-                         uint32_t size);
-
-/**
- * Fills in a description with struct_size set and everything else zero, for languages without the INIT macros.
- *
- * @param desc  Where to write; NULL does nothing.
- * @param size  sizeof(mry_segment_desc) as the caller knows it.
- * Thread: [any-thread]. Since 0.1.
- */
-MRY_API
-void mry_segment_desc_init(mry_segment_desc *desc,
-                           uint32_t size);
-
-/**
- * Fills in a description with struct_size set and everything else zero, for languages without the INIT macros.
- *
- * @param desc  Where to write; NULL does nothing.
- * @param size  sizeof(mry_creature_desc) as the caller knows it.
- * Thread: [any-thread]. Since 0.1.
- */
-MRY_API
-void mry_creature_desc_init(mry_creature_desc *desc,
-                            uint32_t size);
-
-/**
  * Fills in a job state with struct_size set and everything else zero, for languages without the INIT macros.
  *
  * @param state  Where to write; NULL does nothing.
@@ -1872,61 +1913,6 @@ void mry_creature_desc_init(mry_creature_desc *desc,
  * Thread: [any-thread]. Since 0.1.
  */
 MRY_API void mry_job_state_init(mry_job_state *state, uint32_t size);
-
-/**
- * Starts tracking: from strokes on key frames to strokes on every frame. Gives a motion.
- *
- * @param context  The context.
- * @param desc     What to track.
- * @param out_job  The job.
- * @param err      Detail of a failure, or NULL.
- * @return MRY_OK; MRY_E_INPUT (the rig is not valid for the clip), MRY_E_UNSUPPORTED (no such tracker),
- *         MRY_E_STRUCT_SIZE, MRY_E_STRING, MRY_E_BUSY.
- * Lifetime: until mry_job_destroy or the end of the context.
- * Thread: [any-thread]. Since 0.1.
- */
-MRY_API
-mry_status mry_job_start_track(mry_context *context,
-                               const mry_track_desc *desc,
-                               mry_job *out_job,
-                               mry_error *err);
-
-/**
- * Starts segmenting: from tracked strokes to the creature's mask in every frame. Gives a motion and masks.
- *
- * @param context  The context.
- * @param desc     What to segment.
- * @param out_job  The job.
- * @param err      Detail of a failure, or NULL.
- * @return MRY_OK; MRY_E_INPUT (the rig or the motion is not of the clip), MRY_E_UNSUPPORTED (no such tracker or
- *         segmenter), MRY_E_STRUCT_SIZE, MRY_E_STRING, MRY_E_BUSY.
- * Lifetime: until mry_job_destroy or the end of the context.
- * Thread: [any-thread]. Since 0.1.
- */
-MRY_API
-mry_status mry_job_start_segment(mry_context *context,
-                                 const mry_segment_desc *desc,
-                                 mry_job *out_job,
-                                 mry_error *err);
-
-/**
- * Starts the whole job: track, segment, reconstruct, and write into a folder where one is given. Gives a motion,
- * masks and a creature.
- *
- * @param context  The context.
- * @param desc     What to make a creature of.
- * @param out_job  The job.
- * @param err      Detail of a failure, or NULL.
- * @return MRY_OK; MRY_E_INPUT (the rig is not valid for the clip), MRY_E_UNSUPPORTED (no such tracker or
- *         segmenter), MRY_E_STRUCT_SIZE, MRY_E_STRING, MRY_E_ARGUMENT, MRY_E_BUSY.
- * Lifetime: until mry_job_destroy or the end of the context.
- * Thread: [any-thread]. Since 0.1.
- */
-MRY_API
-mry_status mry_job_start_creature(mry_context *context,
-                                  const mry_creature_desc *desc,
-                                  mry_job *out_job,
-                                  mry_error *err);
 
 /**
  * How a job is doing. Never waits.
@@ -2037,6 +2023,44 @@ mry_status mry_job_take_creature(mry_context *context,
  */
 MRY_API mry_status mry_job_destroy(mry_context *context, mry_job job);
 
+/** @} */
+
+/**
+ * @defgroup tracking Tracking
+ *
+ * Tracking. From strokes on key frames to strokes on every frame.
+ * @{
+ */
+
+/**
+ * Fills in a description with struct_size set and everything else zero, for languages without the INIT macros.
+ *
+ * @param desc  Where to write; NULL does nothing.
+ * @param size  sizeof(mry_track_desc) as the caller knows it.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+void mry_track_desc_init(mry_track_desc *desc,
+                         uint32_t size);
+
+/**
+ * Starts tracking: from strokes on key frames to strokes on every frame. Gives a motion.
+ *
+ * @param context  The context.
+ * @param desc     What to track.
+ * @param out_job  The job.
+ * @param err      Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_INPUT (the rig is not valid for the clip), MRY_E_UNSUPPORTED (no such tracker),
+ *         MRY_E_STRUCT_SIZE, MRY_E_STRING, MRY_E_BUSY.
+ * Lifetime: until mry_job_destroy or the end of the context.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_job_start_track(mry_context *context,
+                               const mry_track_desc *desc,
+                               mry_job *out_job,
+                               mry_error *err);
+
 /**
  * Tracks, and returns when it is done. Work that was started before comes first.
  *
@@ -2054,6 +2078,44 @@ mry_status mry_run_track(mry_context *context,
                          mry_motion *out_motion,
                          mry_error *err);
 
+/** @} */
+
+/**
+ * @defgroup segmenting Segmenting
+ *
+ * Segmenting. From tracked strokes to the creature's mask in every frame.
+ * @{
+ */
+
+/**
+ * Fills in a description with struct_size set and everything else zero, for languages without the INIT macros.
+ *
+ * @param desc  Where to write; NULL does nothing.
+ * @param size  sizeof(mry_segment_desc) as the caller knows it.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+void mry_segment_desc_init(mry_segment_desc *desc,
+                           uint32_t size);
+
+/**
+ * Starts segmenting: from tracked strokes to the creature's mask in every frame. Gives a motion and masks.
+ *
+ * @param context  The context.
+ * @param desc     What to segment.
+ * @param out_job  The job.
+ * @param err      Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_INPUT (the rig or the motion is not of the clip), MRY_E_UNSUPPORTED (no such tracker or
+ *         segmenter), MRY_E_STRUCT_SIZE, MRY_E_STRING, MRY_E_BUSY.
+ * Lifetime: until mry_job_destroy or the end of the context.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_job_start_segment(mry_context *context,
+                                 const mry_segment_desc *desc,
+                                 mry_job *out_job,
+                                 mry_error *err);
+
 /**
  * Segments, and returns when it is done. Work that was started before comes first.
  *
@@ -2070,6 +2132,45 @@ mry_status mry_run_segment(mry_context *context,
                            const mry_segment_desc *desc,
                            mry_masks *out_masks,
                            mry_error *err);
+
+/** @} */
+
+/**
+ * @defgroup reconstructing Reconstructing
+ *
+ * Reconstructing. The whole job: track, segment, and build the creature.
+ * @{
+ */
+
+/**
+ * Fills in a description with struct_size set and everything else zero, for languages without the INIT macros.
+ *
+ * @param desc  Where to write; NULL does nothing.
+ * @param size  sizeof(mry_creature_desc) as the caller knows it.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+void mry_creature_desc_init(mry_creature_desc *desc,
+                            uint32_t size);
+
+/**
+ * Starts the whole job: track, segment, reconstruct, and write into a folder where one is given. Gives a motion,
+ * masks and a creature.
+ *
+ * @param context  The context.
+ * @param desc     What to make a creature of.
+ * @param out_job  The job.
+ * @param err      Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_INPUT (the rig is not valid for the clip), MRY_E_UNSUPPORTED (no such tracker or
+ *         segmenter), MRY_E_STRUCT_SIZE, MRY_E_STRING, MRY_E_ARGUMENT, MRY_E_BUSY.
+ * Lifetime: until mry_job_destroy or the end of the context.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_job_start_creature(mry_context *context,
+                                  const mry_creature_desc *desc,
+                                  mry_job *out_job,
+                                  mry_error *err);
 
 /**
  * Makes a creature, and returns when it is done. Work that was started before comes first.

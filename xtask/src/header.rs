@@ -14,7 +14,7 @@ use cbindgen::{Builder, Config, DocumentationStyle, EnumConfig, ExportConfig, Fu
 use crate::shell::{root, say};
 
 /// The files of ffi/src in the order a reader meets them.
-const FILES: [&str; 11] = [
+const FILES: [&str; 22] = [
     "version.rs",
     "status.rs",
     "string.rs",
@@ -22,10 +22,21 @@ const FILES: [&str; 11] = [
     "context.rs",
     "clip.rs",
     "rig.rs",
+    "limb.rs",
+    "stroke.rs",
+    "paint.rs",
     "motion.rs",
+    "tracks.rs",
+    "advice.rs",
     "masks.rs",
     "creature.rs",
+    "bones.rs",
+    "surface.rs",
+    "creature_files.rs",
     "job.rs",
+    "tracking.rs",
+    "segmenting.rs",
+    "reconstructing.rs",
 ];
 
 const PREAMBLE: &str = "\
