@@ -19,7 +19,7 @@ pub(crate) unsafe trait Versioned: Copy {
     const FIRST_SIZE: usize;
 }
 
-fn null(param: &'static str) -> Failure {
+pub(crate) fn null(param: &'static str) -> Failure {
     Failure::new(Code::MRY_E_NULL, param, format!("{param} is NULL"))
 }
 

@@ -10,6 +10,7 @@ use crate::border::{self, Out, OutStruct, Text, Versioned};
 use crate::context::{MRY_LOG_WARNING, mry_context};
 use crate::error::{Failure, Outcome, copy_text, mry_error};
 use crate::guard::{Call, ending, entry};
+use crate::limits::Limits;
 use crate::rows::Rows;
 use crate::status::{mry_status, mry_status_code as Code};
 use crate::string::mry_str;
@@ -79,6 +80,18 @@ impl Call<'_> {
     pub(crate) fn clip(&self, clip: mry_clip, param: &'static str) -> Outcome<Arc<Clip>> {
         Ok(self.get(&self.context.clips, clip.v, param)?.value.clone())
     }
+
+    pub(crate) fn keep_clip(&self, clip: Arc<Clip>) -> Outcome<mry_clip> {
+        for warning in &clip.info().warnings {
+            self.context.log(MRY_LOG_WARNING, &format!("{}: {warning}", clip.name().display()));
+        }
+        let (frames, most) = (clip.info().frames as u64, self.context.limits.frames);
+        if frames > most {
+            let message = format!("the clip has {frames} frames, and at most {most} are allowed; cut it");
+            return Err(Failure::new(Code::MRY_E_LIMIT, "path", message));
+        }
+        Ok(mry_clip { v: self.context.clips.insert(clip)? })
+    }
 }
 
 /// An index of a frame, within `count`.
@@ -118,6 +131,20 @@ unsafe fn clip_options(options: &mry_clip_options) -> Outcome<ClipOptions> {
         answer.images_fps = fps;
     }
     Ok(answer)
+}
+
+/// The options, or the defaults for NULL.
+///
+/// # Safety
+/// As for [`border::read`], and the string in it is valid, as the header asks.
+pub(crate) unsafe fn options_in(options: *const mry_clip_options, limits: &Limits) -> Outcome<ClipOptions> {
+    let asked = if options.is_null() {
+        ClipOptions::default()
+    } else {
+        // SAFETY: as this function's own.
+        unsafe { clip_options(&border::read(options, "options")?)? }
+    };
+    Ok(limits.clip_options(asked))
 }
 
 /// Fills in clip options with struct_size set and everything else zero, for languages without the INIT macros.
@@ -164,13 +191,9 @@ pub unsafe extern "C" fn mry_clip_open(
     entry!(context, err, |call| {
         let path = path.name("path")?;
         let out = Out::new(out_clip, "out_clip")?;
-        let options =
-            if options.is_null() { ClipOptions::default() } else { clip_options(&border::read(options, "options")?)? };
+        let options = options_in(options, &call.context.limits)?;
         let clip = Clip::open_with(path, &options).map_err(|e| Failure::from(e).about("path"))?;
-        for warning in &clip.info().warnings {
-            call.context.log(MRY_LOG_WARNING, &format!("{path}: {warning}"));
-        }
-        out.set(mry_clip { v: call.context.clips.insert(Arc::new(clip))? });
+        out.set(call.keep_clip(Arc::new(clip))?);
         Ok(Code::MRY_OK)
     })
 }

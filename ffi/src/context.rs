@@ -24,12 +24,15 @@ use crate::error::{Failure, mry_error};
 use crate::executor::{Executor, MAX_THREADS};
 use crate::guard::{contain, entry};
 use crate::job::JobTable;
+use crate::limits::{Limits, mry_limits};
+use crate::maps::MapTable;
 use crate::masks::MasksTable;
 use crate::motion::MotionTable;
 use crate::rig::RigTable;
 use crate::status::{mry_status, mry_status_code as Code};
 use crate::string::mry_str;
 use crate::table::Table;
+use crate::threads::{Spawn, mry_executor};
 use crate::version;
 
 /// The library's whole state for one user. Opaque.
@@ -70,13 +73,17 @@ pub struct mry_context_desc {
     pub log: mry_log_fn,
     /// Handed to log.
     pub log_user: *mut c_void,
+    /// What the context will work on at most; NULL for the defaults. Read by mry_context_create only.
+    pub limits: *const mry_limits,
+    /// Where threads come from; NULL for the library's own. Read by mry_context_create only.
+    pub executor: *const mry_executor,
 }
 
 // SAFETY: repr(C), starts with its u32 size; integers, a nullable function and a pointer, which the host vouches for.
 unsafe impl Versioned for mry_context_desc {
     const FIRST_SIZE: usize = 32;
 }
-const _: () = assert!(size_of::<mry_context_desc>() == 32);
+const _: () = assert!(size_of::<mry_context_desc>() == 48);
 
 struct LogSink {
     sink: mry_log_fn,
@@ -99,6 +106,8 @@ pub(crate) struct Context {
     pub(crate) masks: MasksTable,
     pub(crate) creatures: CreatureTable,
     pub(crate) jobs: JobTable,
+    pub(crate) maps: MapTable,
+    pub(crate) limits: Limits,
     log: Arc<LogSink>,
     pub(crate) executor: Executor,
     #[cfg(feature = "test-panic")]
@@ -155,7 +164,7 @@ pub unsafe extern "C" fn mry_context_desc_init(desc: *mut mry_context_desc, size
 /// @param out_context  The context.
 /// @param err          Detail of a failure, or NULL.
 /// @return MRY_OK; MRY_E_NULL, MRY_E_STRUCT_SIZE, MRY_E_UNSUPPORTED, MRY_E_ABI (the host's header is of another
-///         version), MRY_E_ARGUMENT (threads above 1024), MRY_E_THREADS.
+///         version), MRY_E_ARGUMENT (threads above 1024, a limit above its bound), MRY_E_THREADS.
 /// Lifetime: until mry_context_destroy.
 /// Thread: [any-thread]. Since 0.1.
 #[unsafe(no_mangle)]
@@ -173,18 +182,23 @@ pub unsafe extern "C" fn mry_context_create(
             let message = format!("desc.threads is {}, and at most {MAX_THREADS} are allowed", desc.threads);
             return Err(Failure::argument("desc", message));
         }
-        let executor = Executor::new(desc.threads as usize)?;
+        // SAFETY: each is NULL or points at a struct of its own size, which the header asks for.
+        let (limits, spawn) = unsafe { (Limits::read(desc.limits)?, Spawn::read(desc.executor)?) };
+        let executor = Executor::new(desc.threads as usize, &spawn)?;
         // Ids of this context are told from another's by where its pool lies.
         let tag = Arc::as_ptr(&executor.pool()) as usize as u64;
         let tag = tag >> 4 ^ tag >> 16;
+        let most = limits.objects;
         let context = Context {
             poisoned: AtomicBool::new(false),
-            clips: Table::new(1, tag),
-            rigs: Table::new(2, tag),
-            motions: Table::new(3, tag),
-            masks: Table::new(4, tag),
-            creatures: Table::new(5, tag),
-            jobs: Table::new(6, tag),
+            clips: Table::new(1, tag, most),
+            rigs: Table::new(2, tag, most),
+            motions: Table::new(3, tag, most),
+            masks: Table::new(4, tag, most),
+            creatures: Table::new(5, tag, most),
+            jobs: Table::new(6, tag, most),
+            maps: Table::new(14, tag, most),
+            limits,
             log: Arc::new(LogSink { sink: desc.log, user: desc.log_user, inside: AtomicU32::new(0) }),
             executor,
             #[cfg(feature = "test-panic")]

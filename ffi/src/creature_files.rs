@@ -1,14 +1,16 @@
-//! Creature files. What other programs read: glTF, OBJ, and the folder with everything. Each appears whole or not at
-//! all.
+//! Creature files. What other programs read: glTF, OBJ, pictures, and the folder with everything. Each appears whole or
+//! not at all. mry_job_start_export writes the same files as a job.
+
+use std::path::Path;
 
 use marey::export::gltf::{self, GltfOptions};
-use marey::export::{CreatureFiles, FolderOptions, write_aside, write_creature};
-use marey::job::Progress;
+use marey::export::{CreatureFiles, FolderOptions, overlay, preview, write_aside, write_creature, write_obj_folder};
+use marey::job::{Progress, Stage};
 
 use crate::context::mry_context;
 use crate::creature::{Creature, mry_creature};
 use crate::error::{Failure, Outcome, mry_error};
-use crate::guard::entry;
+use crate::guard::{Call, entry};
 use crate::status::{mry_status, mry_status_code as Code};
 use crate::string::mry_str;
 
@@ -34,6 +36,63 @@ pub(crate) fn metres(scale: f32) -> Outcome<f32> {
     Ok(if scale == 0.0 { 1.0 } else { scale })
 }
 
+/// What to write of a creature.
+pub(crate) enum Export {
+    /// One glTF binary, with so many metres a unit.
+    Glb(f32),
+    /// A folder of OBJ files.
+    Obj,
+    /// The overlay GIF.
+    Overlay,
+    /// The preview GIF.
+    Preview,
+    /// The folder with everything.
+    Folder(FolderOptions),
+}
+
+impl Export {
+    /// Writes it to `path`, whole or not at all.
+    pub(crate) fn write(&self, creature: &Creature, path: &Path, stage: Stage<'_>) -> marey::Result<()> {
+        let Creature { clip, rig, motion, masks, model, .. } = creature;
+        let most = stage.part(0.0, 0.95);
+        match self {
+            Self::Glb(scale) => {
+                stage.name("writing glTF")?;
+                let mut options = GltfOptions::default();
+                options.scale = *scale;
+                write_aside(path, &gltf::glb(model, &options, most)?)?;
+            }
+            Self::Obj => write_obj_folder(path, model, &masks.report, most)?,
+            Self::Overlay => {
+                stage.name("writing the overlay")?;
+                write_aside(path, &overlay(clip, rig, motion, &masks.masks, most)?)?;
+            }
+            Self::Preview => {
+                stage.name("writing the preview")?;
+                write_aside(path, &preview(model, most)?)?;
+            }
+            Self::Folder(options) => {
+                let files = CreatureFiles { clip, rig, motion, masks: &masks.masks, model };
+                let mut report = masks.report.clone();
+                // It may tell of another folder that the job has written.
+                report.outputs.clear();
+                write_creature(path, &files, options, &mut report, most)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Call<'_> {
+    fn export(&self, export: &Export, creature: mry_creature, path: &str, param: &'static str) -> Outcome<Code> {
+        let creature = self.creature(creature)?;
+        let progress = Progress::new();
+        let written = self.context.executor.run(|| export.write(&creature, path.as_ref(), progress.whole()));
+        written.map_err(|e| Failure::from(e).about(param))?;
+        Ok(Code::MRY_OK)
+    }
+}
+
 /// Writes the creature as one glTF 2.0 binary: meshes, skin, animation, textures. The file appears whole or not at
 /// all.
 ///
@@ -55,13 +114,7 @@ pub unsafe extern "C" fn mry_creature_write_glb(
 ) -> mry_status {
     entry!(context, err, |call| {
         let path = path.name("path")?;
-        let mut options = GltfOptions::default();
-        options.scale = metres(scale)?;
-        let creature = call.creature(creature)?;
-        let progress = Progress::new();
-        let write = || write_aside(path, &gltf::glb(&creature.model, &options, progress.whole())?);
-        call.context.executor.run(write).map_err(|e| Failure::from(e).about("path"))?;
-        Ok(Code::MRY_OK)
+        call.export(&Export::Glb(metres(scale)?), creature, path, "path")
     })
 }
 
@@ -88,16 +141,29 @@ pub unsafe extern "C" fn mry_creature_write_folder(
 ) -> mry_status {
     entry!(context, err, |call| {
         let folder = folder.name("folder")?;
-        let options = folder_options(write_obj, scale)?;
-        let creature = call.creature(creature)?;
-        let Creature { clip, rig, motion, masks, model, .. } = &*creature;
-        let files = CreatureFiles { clip, rig, motion, masks: &masks.masks, model };
-        let mut report = masks.report.clone();
-        // It may tell of another folder that the job has written.
-        report.outputs.clear();
-        let progress = Progress::new();
-        let write = || write_creature(folder.as_ref(), &files, &options, &mut report, progress.whole());
-        call.context.executor.run(write).map_err(|e| Failure::from(e).about("folder"))?;
-        Ok(Code::MRY_OK)
+        call.export(&Export::Folder(folder_options(write_obj, scale)?), creature, folder, "folder")
+    })
+}
+
+/// Writes the meshes into a folder: 00000.obj, ... in world coordinates, one a frame, creature.mtl, a PNG for each
+/// part, report.json. The folder appears whole or not at all. One that was written before is replaced, anything else
+/// in the way is left alone and refused.
+///
+/// @param context   The context.
+/// @param creature  The creature.
+/// @param folder    The folder.
+/// @param err       Detail of a failure, or NULL.
+/// @return MRY_OK; MRY_E_IO, MRY_E_INPUT (something is in the way), MRY_E_STRING, MRY_E_ARGUMENT.
+/// Thread: [any-thread]. Since 0.1.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mry_creature_write_obj(
+    context: *mut mry_context,
+    creature: mry_creature,
+    folder: mry_str,
+    err: *mut mry_error,
+) -> mry_status {
+    entry!(context, err, |call| {
+        let folder = folder.name("folder")?;
+        call.export(&Export::Obj, creature, folder, "folder")
     })
 }

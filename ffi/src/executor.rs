@@ -3,14 +3,15 @@
 //! Jobs run one after another, each on the whole pool. That bounds memory to one job's, and keeps a cancel prompt: on
 //! a pool that is shared, a worker of one job that waits may pick up all of another.
 
-use std::sync::Arc;
 use std::sync::mpsc::{Sender, channel};
-use std::thread::{Builder, JoinHandle, ThreadId};
+use std::sync::{Arc, OnceLock};
+use std::thread::ThreadId;
 
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use crate::error::{Failure, Outcome};
 use crate::status::mry_status_code;
+use crate::threads::{Running, Spawn};
 
 type Task = Box<dyn FnOnce() + Send>;
 
@@ -18,14 +19,11 @@ type Task = Box<dyn FnOnce() + Send>;
 pub(crate) const MAX_THREADS: usize = 1024;
 
 /// Threads that are waited for when dropped.
-struct Joined(Vec<JoinHandle<()>>);
+struct Joined(Vec<Running>);
 
 impl Drop for Joined {
     fn drop(&mut self) {
-        // A thread that panicked has nothing more to say.
-        self.0.drain(..).for_each(|thread| {
-            thread.join().ok();
-        });
+        self.0.drain(..).for_each(Running::join);
     }
 }
 
@@ -33,7 +31,7 @@ impl Drop for Joined {
 /// conductor ends, the pool lets its workers go, and they end. The fields are in that order.
 pub(crate) struct Executor {
     queue: Sender<Task>,
-    conductor_id: ThreadId,
+    conductor_id: Arc<OnceLock<ThreadId>>,
     _conductor: Joined,
     pool: Arc<ThreadPool>,
     _workers: Joined,
@@ -41,7 +39,7 @@ pub(crate) struct Executor {
 
 impl Executor {
     /// Starts `threads` workers, or one for each core for 0.
-    pub(crate) fn new(threads: usize) -> Outcome<Self> {
+    pub(crate) fn new(threads: usize, spawn: &Spawn) -> Outcome<Self> {
         let refused = |e: &dyn std::fmt::Display| {
             Failure::new(mry_status_code::MRY_E_THREADS, "threads", format!("cannot start threads: {e}; ask for fewer"))
         };
@@ -49,19 +47,20 @@ impl Executor {
         let pool = ThreadPoolBuilder::new()
             .num_threads(threads)
             .spawn_handler(|worker| {
-                let mut builder = Builder::new().name(format!("marey {}", worker.index()));
-                if let Some(size) = worker.stack_size() {
-                    builder = builder.stack_size(size);
-                }
-                workers.0.push(builder.spawn(|| worker.run())?);
+                let (name, stack) = (format!("marey {}", worker.index()), worker.stack_size());
+                workers.0.push(spawn.start(name, stack, Box::new(|| worker.run()))?);
                 Ok(())
             })
             .build()
             .map_err(|e| refused(&e))?;
         let (queue, tasks) = channel::<Task>();
-        let conductor = Builder::new().name("marey jobs".into()).spawn(move || tasks.iter().for_each(|task| task()));
-        let conductor = conductor.map_err(|e| refused(&e))?;
-        let conductor_id = conductor.thread().id();
+        let conductor_id = Arc::new(OnceLock::new());
+        let own_id = conductor_id.clone();
+        let conduct = move || {
+            own_id.get_or_init(|| std::thread::current().id());
+            tasks.iter().for_each(|task| task());
+        };
+        let conductor = spawn.start("marey jobs".into(), None, Box::new(conduct)).map_err(|e| refused(&e))?;
         let pool = Arc::new(pool);
         Ok(Self { queue, conductor_id, _conductor: Joined(vec![conductor]), pool, _workers: workers })
     }
@@ -89,6 +88,7 @@ impl Executor {
 
     /// Whether the calling thread is one of these: waiting for a job here would be waiting for itself.
     pub(crate) fn is_own_thread(&self) -> bool {
-        std::thread::current().id() == self.conductor_id || self.pool.current_thread_index().is_some()
+        let own = std::thread::current().id();
+        self.conductor_id.get() == Some(&own) || self.pool.current_thread_index().is_some()
     }
 }

@@ -11,6 +11,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use crate::border::{self, Out, OutStruct, Versioned};
+use crate::clip::mry_clip;
 use crate::context::mry_context;
 use crate::creature::mry_creature;
 use crate::error::{copy_text, mry_error};
@@ -132,13 +133,35 @@ pub unsafe extern "C" fn mry_job_cancel(context: *mut mry_context, job: mry_job,
     })
 }
 
+/// Takes the clip that an open job opened; once.
+///
+/// @param context   The context.
+/// @param job       The job.
+/// @param out_clip  The clip.
+/// @param err       Detail of the job's or the call's failure, or NULL.
+/// @return MRY_OK; MRY_PENDING and MRY_CANCELLED (no output), the error the job ended with, MRY_E_TAKEN, MRY_E_KIND.
+/// Lifetime: until mry_clip_close or the end of the context; the job may go before.
+/// Thread: [any-thread]. Since 0.1.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mry_job_take_clip(
+    context: *mut mry_context,
+    job: mry_job,
+    out_clip: *mut mry_clip,
+    err: *mut mry_error,
+) -> mry_status {
+    entry!(context, err, |call| {
+        let out = Out::new(out_clip, "out_clip")?;
+        call.job(job)?.take(|p| &mut p.clip, |clip| call.keep_clip(clip).map(|id| out.set(id)))
+    })
+}
+
 /// Takes the motion that a job made; once.
 ///
 /// @param context     The context.
 /// @param job         The job.
 /// @param out_motion  The motion.
 /// @param err         Detail of the job's or the call's failure, or NULL.
-/// @return MRY_OK; MRY_PENDING and MRY_CANCELLED (no output), the error the job ended with, MRY_E_TAKEN.
+/// @return MRY_OK; MRY_PENDING and MRY_CANCELLED (no output), the error the job ended with, MRY_E_TAKEN, MRY_E_KIND.
 /// Lifetime: until mry_motion_destroy or the end of the context; the job may go before.
 /// Thread: [any-thread]. Since 0.1.
 #[unsafe(no_mangle)]

@@ -12,7 +12,7 @@ use crate::guard::entry;
 use crate::rig::mry_rig;
 use crate::status::{mry_status, mry_status_code as Code};
 use crate::string::mry_str;
-use crate::stroke::{MAX_POINTS, key_frame, mry_point, points_in, tidy};
+use crate::stroke::{key_frame, mry_point, points_in, tidy};
 
 /// Paint that marks background.
 pub const MRY_PAINT_BACKGROUND: i32 = 0;
@@ -43,7 +43,7 @@ pub unsafe extern "C" fn mry_rig_add_paint(
     err: *mut mry_error,
 ) -> mry_status {
     entry!(context, err, |call| {
-        let points = points_in(border::slice(points, point_count, MAX_POINTS, "points")?)?;
+        let points = points_in(border::slice(points, point_count, call.context.limits.points, "points")?)?;
         if points.is_empty() {
             return Err(Failure::argument("point_count", "point_count is 0, and paint has 1 or more"));
         }
@@ -59,7 +59,7 @@ pub unsafe extern "C" fn mry_rig_add_paint(
             return Err(Failure::argument("radius", format!("radius is {radius}, and must be above 0")));
         }
         call.rig_mut(rig, |rig| {
-            key_frame(rig, frame)?.paint.push(Paint { foreground, radius, points });
+            key_frame(rig, frame, call.context.limits.key_frames)?.paint.push(Paint { foreground, radius, points });
             Ok(Code::MRY_OK)
         })
     })
@@ -109,7 +109,7 @@ pub unsafe extern "C" fn mry_rig_set_mask(
     entry!(context, err, |call| {
         let path = if path.len == 0 { None } else { Some(PathBuf::from(path.name("path")?)) };
         call.rig_mut(rig, |rig| {
-            key_frame(rig, frame)?.mask = path;
+            key_frame(rig, frame, call.context.limits.key_frames)?.mask = path;
             tidy(rig);
             Ok(Code::MRY_OK)
         })

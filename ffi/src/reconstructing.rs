@@ -72,6 +72,7 @@ impl Call<'_> {
                 motion: Part::Made(motion),
                 masks: Part::Made(masks),
                 creature: Part::Made(Arc::new(creature)),
+                ..Product::default()
             })
         }))
     }

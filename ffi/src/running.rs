@@ -4,6 +4,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
+use marey::clip::Clip;
 use marey::job::Progress;
 use marey::motion::Motion;
 
@@ -28,6 +29,7 @@ pub(crate) enum Part<T> {
 /// What a job made.
 #[derive(Default)]
 pub(crate) struct Product {
+    pub(crate) clip: Part<Arc<Clip>>,
     pub(crate) motion: Part<Arc<Motion>>,
     pub(crate) masks: Part<Arc<MaskSet>>,
     pub(crate) creature: Part<Arc<Creature>>,

@@ -28,11 +28,6 @@ pub const MRY_FACING_TOWARD: i32 = 1;
 /// Facing of a stroke: its end is farther from the viewer than its start.
 pub const MRY_FACING_AWAY: i32 = 2;
 
-/// A stroke or a brush path of more points is a mistake of the host's.
-pub(crate) const MAX_POINTS: usize = 10_000;
-/// A bound for a rig that grows call by call.
-const MAX_KEYFRAMES: usize = 100_000;
-
 pub(crate) fn points_in(points: &[mry_point]) -> Outcome<Vec<marey::Vec2>> {
     let place = |(i, p): (usize, &mry_point)| {
         if p.x.is_finite() && p.y.is_finite() {
@@ -48,12 +43,12 @@ pub(crate) fn points_out(points: &[marey::Vec2]) -> Vec<mry_point> {
 }
 
 /// The key frame at `frame`, made where there is none.
-pub(crate) fn key_frame(rig: &mut Rig, frame: u64) -> Outcome<&mut KeyFrame> {
+pub(crate) fn key_frame(rig: &mut Rig, frame: u64, most: usize) -> Outcome<&mut KeyFrame> {
     let frame = usize::try_from(frame).map_err(|_| Failure::argument("frame", format!("frame is {frame}")))?;
     let at = rig.keyframes.partition_point(|k| k.frame < frame);
     if rig.keyframes.get(at).is_none_or(|k| k.frame != frame) {
-        if rig.keyframes.len() >= MAX_KEYFRAMES {
-            let message = format!("the rig has {MAX_KEYFRAMES} key frames, and no more are allowed");
+        if rig.keyframes.len() >= most {
+            let message = format!("the rig has {most} key frames, and no more are allowed");
             return Err(Failure::new(Code::MRY_E_LIMIT, "frame", message));
         }
         rig.keyframes.insert(at, KeyFrame { frame, ..KeyFrame::default() });
@@ -112,7 +107,7 @@ pub unsafe extern "C" fn mry_rig_set_stroke(
     err: *mut mry_error,
 ) -> mry_status {
     entry!(context, err, |call| {
-        let points = points_in(border::slice(points, point_count, MAX_POINTS, "points")?)?;
+        let points = points_in(border::slice(points, point_count, call.context.limits.points, "points")?)?;
         if points.len() < 2 {
             return Err(Failure::argument(
                 "point_count",
@@ -122,7 +117,7 @@ pub unsafe extern "C" fn mry_rig_set_stroke(
         let facing = facing_in(facing)?;
         call.rig_mut(rig, |rig| {
             let limb = limb_index(rig, limb)?;
-            let key = key_frame(rig, frame)?;
+            let key = key_frame(rig, frame, call.context.limits.key_frames)?;
             key.strokes.retain(|s| s.limb != limb);
             key.strokes.push(Stroke { limb, points, facing });
             key.strokes.sort_by_key(|s| s.limb);

@@ -17,6 +17,8 @@ pub(crate) struct Slot<T> {
 /// All objects of one kind in one context.
 pub(crate) struct Table<T> {
     kind: u64,
+    /// How many may be alive at a time.
+    most: usize,
     places: Mutex<Places<T>>,
 }
 
@@ -32,10 +34,10 @@ const KIND_SHIFT: u32 = CONTEXT_SHIFT + 12;
 const GENERATION_SHIFT: u32 = 32;
 
 impl<T> Table<T> {
-    /// An empty table. `kind` and `context` tell ids of other tables from this one's.
-    pub(crate) fn new(kind: u64, context: u64) -> Self {
+    /// An empty table for `most` objects. `kind` and `context` tell ids of other tables from this one's.
+    pub(crate) fn new(kind: u64, context: u64, most: usize) -> Self {
         let kind = (kind & 0xf) << KIND_SHIFT | (context & 0xfff) << CONTEXT_SHIFT;
-        Self { kind, places: Mutex::new(Places { objects: Vec::new(), free: Vec::new() }) }
+        Self { kind, most, places: Mutex::new(Places { objects: Vec::new(), free: Vec::new() }) }
     }
 
     fn lock(&self) -> MutexGuard<'_, Places<T>> {
@@ -47,7 +49,7 @@ impl<T> Table<T> {
         let mut places = self.lock();
         let place = match places.free.pop() {
             Some(place) => place,
-            None if places.objects.len() < 1 << PLACE_BITS => {
+            None if places.objects.len() < self.most.min(1 << PLACE_BITS) => {
                 places.objects.push((1, None));
                 places.objects.len() - 1
             }
@@ -55,7 +57,7 @@ impl<T> Table<T> {
                 return Err(Failure::new(
                     mry_status_code::MRY_E_LIMIT,
                     "",
-                    format!("{} objects of one kind are alive in the context; destroy some", 1 << PLACE_BITS),
+                    format!("{} objects of one kind are alive in the context; destroy some", places.objects.len()),
                 ));
             }
         };
@@ -122,14 +124,14 @@ mod tests {
 
     #[test]
     fn ids_of_the_dead_and_of_others_are_stale() {
-        let table = Table::new(1, 7);
+        let table = Table::new(1, 7, 9);
         let a = table.insert("a").expect("room");
         table.remove(a, "x").expect("alive");
         let b = table.insert("b").expect("room");
         assert_eq!(a & 0xffff, b & 0xffff, "the place is used again");
         assert!(table.get(a, "x").is_err() && table.remove(a, "x").is_err());
         assert_eq!(table.get(b, "x").expect("alive").value, "b");
-        let (other_kind, other_context) = (Table::new(2, 7), Table::new(1, 8));
+        let (other_kind, other_context) = (Table::new(2, 7, 9), Table::new(1, 8, 9));
         other_kind.insert("c").expect("room");
         other_context.insert("d").expect("room");
         assert!(other_kind.get(b, "x").is_err() && other_context.get(b, "x").is_err());
@@ -138,7 +140,7 @@ mod tests {
 
     #[test]
     fn a_place_whose_generations_are_used_up_is_retired() {
-        let table = Table::new(1, 0);
+        let table = Table::new(1, 0, 9);
         let id = table.insert(()).expect("room");
         table.lock().objects[0].0 = u32::MAX;
         let last = id | 0xffff_ffff << GENERATION_SHIFT;

@@ -110,6 +110,14 @@ fn creature(i: Ids) -> *const mry_creature_desc {
     Box::leak(Box::new(desc))
 }
 
+fn export(i: Ids, path: &str) -> *const mry_export_desc {
+    let mut desc = unsafe { std::mem::zeroed::<mry_export_desc>() };
+    unsafe { mry_export_desc_init(&mut desc, size_of::<mry_export_desc>() as u32) };
+    // The path lives as long as the test's call.
+    (desc.what, desc.creature, desc.path) = (MRY_EXPORT_GLB, i.creature, str(path));
+    Box::leak(Box::new(desc))
+}
+
 /// Every function that takes a context and an error, called as a careful host would.
 const CALLS: &[(&str, Has, Run)] = calls! {
     Out mry_context_get_threads(c, i, o, e, p) => [o.at()];
@@ -164,8 +172,16 @@ const CALLS: &[(&str, Has, Run)] = calls! {
         [i.creature, 0, o.at::<[u16; 4]>().cast(), o.at::<[f32; 4]>().cast(), 4096, o.at()];
     IdAndOut mry_creature_read_texture(c, i, o, e, p) =>
         [i.creature, 0, o.at::<[u8; 1024]>().cast(), 4096 * 1024, 0];
+    IdAndOut mry_clip_map_frame(c, i, o, e, p) => [i.clip, 0, o.sized()];
+    IdAndOut mry_creature_map_part(c, i, o, e, p) => [i.creature, 0, 1, o.sized()];
+    IdAndOut mry_creature_map_texture(c, i, o, e, p) => [i.creature, 0, o.sized()];
     Id mry_creature_write_glb(c, i, o, e, p) => [i.creature, str(p), 0.0];
     Id mry_creature_write_folder(c, i, o, e, p) => [i.creature, str(p), 0, 0.0];
+    Id mry_creature_write_obj(c, i, o, e, p) => [i.creature, str(p)];
+    Out mry_job_start_open(c, i, o, e, p) => [str(p), ptr::null(), o.at()];
+    IdAndOut mry_job_start_export(c, i, o, e, p) => [export(i, p), o.at()];
+    Id mry_run_export(c, i, o, e, p) => [export(i, p)];
+    IdAndOut mry_job_take_clip(c, i, o, e, p) => [i.job, o.at()];
     IdAndOut mry_job_start_track(c, i, o, e, p) => [track(i), o.at()];
     IdAndOut mry_job_start_segment(c, i, o, e, p) => [segment(i), o.at()];
     IdAndOut mry_job_start_creature(c, i, o, e, p) => [creature(i), o.at()];
@@ -181,7 +197,7 @@ const CALLS: &[(&str, Has, Run)] = calls! {
 };
 
 /// Functions that destroy, and functions without a context.
-const OTHERS: [&str; 25] = [
+const OTHERS: [&str; 31] = [
     "mry_abi_check",
     "mry_clip_close",
     "mry_clip_info_init",
@@ -194,10 +210,15 @@ const OTHERS: [&str; 25] = [
     "mry_creature_destroy",
     "mry_creature_info_init",
     "mry_error_init",
+    "mry_executor_init",
+    "mry_export_desc_init",
+    "mry_image_view_init",
     "mry_job_destroy",
     "mry_job_state_init",
+    "mry_limits_init",
     "mry_masks_destroy",
     "mry_masks_info_init",
+    "mry_mesh_view_init",
     "mry_motion_destroy",
     "mry_motion_info_init",
     "mry_part_info_init",
@@ -205,6 +226,7 @@ const OTHERS: [&str; 25] = [
     "mry_segment_desc_init",
     "mry_status_text",
     "mry_track_desc_init",
+    "mry_unmap",
     "mry_version",
     "mry_version_string",
 ];

@@ -70,7 +70,9 @@
 
 /* Every struct that starts with struct_size, set up: all else is zero, which is the default. */
 #define MRY_ERROR_INIT { (uint32_t)sizeof(mry_error), 0, { 0 }, { 0 } }
-#define MRY_CONTEXT_DESC_INIT { (uint32_t)sizeof(mry_context_desc), MRY_ABI_VERSION, 0, 0, NULL, NULL }
+#define MRY_LIMITS_INIT { (uint32_t)sizeof(mry_limits), 0, 0, 0, 0, 0, 0 }
+#define MRY_EXECUTOR_INIT { (uint32_t)sizeof(mry_executor), 0, NULL, NULL }
+#define MRY_CONTEXT_DESC_INIT { (uint32_t)sizeof(mry_context_desc), MRY_ABI_VERSION, 0, 0, NULL, NULL, NULL, NULL }
 #define MRY_CLIP_OPTIONS_INIT { (uint32_t)sizeof(mry_clip_options), 0, { NULL, 0 }, 0, 0, 0.0 }
 #define MRY_CLIP_INFO_INIT { (uint32_t)sizeof(mry_clip_info), 0, 0, 0, 0, 0.0, { 0 } }
 #define MRY_MOTION_INFO_INIT { (uint32_t)sizeof(mry_motion_info), 0, 0, 0, 0, 0.0, 0, 0 }
@@ -78,10 +80,13 @@
 #define MRY_MASKS_INFO_INIT { (uint32_t)sizeof(mry_masks_info), 0, 0, 0, 0 }
 #define MRY_CREATURE_INFO_INIT { (uint32_t)sizeof(mry_creature_info), 0, 0, 0, 0, 0, 0, 0.0, 0, 0 }
 #define MRY_PART_INFO_INIT { (uint32_t)sizeof(mry_part_info), 0, 0, 0, 0, 0 }
+#define MRY_IMAGE_VIEW_INIT { (uint32_t)sizeof(mry_image_view), 0, 0, 0, 0, NULL, { 0 } }
+#define MRY_MESH_VIEW_INIT { (uint32_t)sizeof(mry_mesh_view), 0, 0, 0, NULL, NULL, NULL, NULL, { 0 } }
 #define MRY_JOB_STATE_INIT { (uint32_t)sizeof(mry_job_state), 0, 0.0, 0, { 0 } }
 #define MRY_TRACK_DESC_INIT { (uint32_t)sizeof(mry_track_desc), 0, { 0 }, { 0 }, { NULL, 0 } }
 #define MRY_SEGMENT_DESC_INIT { (uint32_t)sizeof(mry_segment_desc), 0, { 0 }, { 0 }, { 0 }, { NULL, 0 }, { NULL, 0 }, { NULL, 0 } }
 #define MRY_CREATURE_DESC_INIT { (uint32_t)sizeof(mry_creature_desc), 0, { 0 }, { 0 }, { NULL, 0 }, { NULL, 0 }, { NULL, 0 } }
+#define MRY_EXPORT_DESC_INIT { (uint32_t)sizeof(mry_export_desc), 0, { 0 }, { NULL, 0 }, 0, 0.0f }
 
 
 /** Log level: a contained defect of the library. */
@@ -134,6 +139,24 @@
 
 /** In place of a frame: the rest pose, which the mesh was built in. */
 #define MRY_REST_POSE UINT64_MAX
+
+/** Format of an image: 3 bytes a pixel, red, green, blue, sRGB. */
+#define MRY_FORMAT_RGB8 1
+
+/** Export: one glTF 2.0 binary, as mry_creature_write_glb. */
+#define MRY_EXPORT_GLB 1
+
+/** Export: a folder of OBJ files, as mry_creature_write_obj. */
+#define MRY_EXPORT_OBJ 2
+
+/** Export: a GIF of the clip with the limbs and the masks drawn over it. */
+#define MRY_EXPORT_OVERLAY 3
+
+/** Export: a GIF of the creature in motion, as the clip shows it and from another side. */
+#define MRY_EXPORT_PREVIEW 4
+
+/** Export: the folder with everything, as mry_creature_write_folder. */
+#define MRY_EXPORT_FOLDER 5
 
 /** The values of mry_status, errors in blocks of a hundred by whose they are. */
 typedef enum mry_status_code {
@@ -211,6 +234,57 @@ typedef struct mry_error {
   char param[64];
 } mry_error;
 
+/** The most of everything. Zero in a field is its default. Start from MRY_LIMITS_INIT. */
+typedef struct mry_limits {
+  /** sizeof(mry_limits). */
+  uint32_t struct_size;
+  /** Objects of one kind alive at a time; 65536, and no more than that. */
+  uint32_t objects;
+  /** Pixels of one frame; 64 million. The options of a clip can only ask for less. */
+  uint64_t frame_pixels;
+  /** Bytes of decoded frames that one clip keeps; 256 MB. The options of a clip can only ask for less. */
+  uint64_t cache_bytes;
+  /** Frames of one clip; 1 million. */
+  uint64_t frames;
+  /** Points of one stroke or brush path; 10000, and no more than that. */
+  uint32_t points;
+  /** Key frames of one rig; 100000, and no more than that. */
+  uint32_t key_frames;
+} mry_limits;
+
+/**
+ * What a lent thread runs, once. It returns when the context is destroyed, and throws nothing.
+ *
+ * @param worker  What mry_spawn_fn was given.
+ * Thread: [worker-thread].
+ */
+typedef void (*mry_worker_fn)(void *worker);
+
+/**
+ * Lends a thread: has run(worker) called, soon, on a thread that does nothing else until that returns. It is called
+ * by mry_context_create, once for each worker and once for the thread that hands out the jobs, and must not throw. A
+ * worker must be run exactly once when the answer is 0, and never when it is not.
+ *
+ * @param run     What to call.
+ * @param worker  What to hand to it.
+ * @param user    user of the description.
+ * @return 0; anything else when there is no thread to lend, which makes the context fail with MRY_E_THREADS.
+ * Thread: [any-thread].
+ */
+typedef int32_t (*mry_spawn_fn)(mry_worker_fn run, void *worker, void *user);
+
+/** Where a context's threads come from. Start from MRY_EXECUTOR_INIT. */
+typedef struct mry_executor {
+  /** sizeof(mry_executor). */
+  uint32_t struct_size;
+  /** Zero. */
+  uint32_t reserved0;
+  /** Lends a thread. */
+  mry_spawn_fn spawn;
+  /** Handed to spawn. */
+  void *user;
+} mry_executor;
+
 /**
  * A string for the library to read during the call: UTF-8, with its length or with len = MRY_STRZ where a NUL ends
  * it. MRY_STR("text") makes one from a C string.
@@ -248,6 +322,10 @@ typedef struct mry_context_desc {
   mry_log_fn log;
   /** Handed to log. */
   void *log_user;
+  /** What the context will work on at most; NULL for the defaults. Read by mry_context_create only. */
+  const mry_limits *limits;
+  /** Where threads come from; NULL for the library's own. Read by mry_context_create only. */
+  const mry_executor *executor;
 } mry_context_desc;
 
 /** How to open a clip. Start from MRY_CLIP_OPTIONS_INIT. */
@@ -418,6 +496,52 @@ typedef struct mry_part_info {
   uint64_t triangle_count;
 } mry_part_info;
 
+/** Mapped memory. */
+typedef struct mry_map {
+  /** The id; 0 is no map. */
+  uint64_t v;
+} mry_map;
+
+/** A picture in memory of the library's, rows from the top. */
+typedef struct mry_image_view {
+  /** sizeof(mry_image_view). */
+  uint32_t struct_size;
+  /** MRY_FORMAT_RGB8; accept ones you do not know. */
+  int32_t format;
+  /** Pixels across. */
+  uint32_t width;
+  /** Pixels down. */
+  uint32_t height;
+  /** Bytes from one row's start to the next's. */
+  uint64_t stride_bytes;
+  /** The first row. */
+  const uint8_t *data;
+  /** What to hand to mry_unmap. */
+  mry_map map;
+} mry_image_view;
+
+/** A part's surface in memory of the library's, in world coordinates. Lists have no gaps. */
+typedef struct mry_mesh_view {
+  /** sizeof(mry_mesh_view). */
+  uint32_t struct_size;
+  /** Zero. */
+  uint32_t reserved0;
+  /** Its vertices. */
+  uint64_t vertex_count;
+  /** Its triangles. */
+  uint64_t triangle_count;
+  /** x, y, z for each vertex. */
+  const float *positions;
+  /** x, y, z for each vertex, of length 1. */
+  const float *normals;
+  /** u, v for each vertex, 0..1, v down. */
+  const float *uvs;
+  /** Three vertex indices for each triangle, counter-clockwise seen from outside. */
+  const uint32_t *triangles;
+  /** What to hand to mry_unmap. */
+  mry_map map;
+} mry_mesh_view;
+
 /** How a job is doing. */
 typedef struct mry_job_state {
   /** sizeof(mry_job_state). */
@@ -489,6 +613,22 @@ typedef struct mry_creature_desc {
   /** Where to write everything, see mry_creature_write_folder; empty for nowhere. */
   mry_str folder;
 } mry_creature_desc;
+
+/** What to export. Start from MRY_EXPORT_DESC_INIT; what, creature and path must be set. */
+typedef struct mry_export_desc {
+  /** sizeof(mry_export_desc). */
+  uint32_t struct_size;
+  /** MRY_EXPORT_GLB, ... */
+  int32_t what;
+  /** The creature. */
+  mry_creature creature;
+  /** The file or folder. */
+  mry_str path;
+  /** With MRY_EXPORT_FOLDER: 1 to write also meshes/00000.obj, ... */
+  uint32_t write_obj;
+  /** Metres a world unit in glTF; 0 for 1. */
+  float scale;
+} mry_export_desc;
 
 #ifdef __cplusplus
 extern "C" {
@@ -566,6 +706,45 @@ MRY_API void mry_error_init(mry_error *error, uint32_t size);
 /** @} */
 
 /**
+ * @defgroup limits Limits
+ *
+ * Limits. What a context will work on at most, so that a hostile file cannot eat the machine. They are set when the
+ * context is created; what exceeds one is refused with MRY_E_LIMIT.
+ * @{
+ */
+
+/**
+ * Fills in limits with struct_size set and everything else zero, for languages without the INIT macros.
+ *
+ * @param limits  Where to write; NULL does nothing.
+ * @param size    sizeof(mry_limits) as the caller knows it.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API void mry_limits_init(mry_limits *limits, uint32_t size);
+
+/** @} */
+
+/**
+ * @defgroup threads Threads of the host's
+ *
+ * Threads of the host's. A host that has an executor of its own can lend its threads to a context instead of letting
+ * the library start some: each worker of the library then runs on one thread of the host's until the context is
+ * destroyed. Results do not depend on whose threads they are.
+ * @{
+ */
+
+/**
+ * Fills in an executor with struct_size set and everything else zero, for languages without the INIT macros.
+ *
+ * @param executor  Where to write; NULL does nothing.
+ * @param size      sizeof(mry_executor) as the caller knows it.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API void mry_executor_init(mry_executor *executor, uint32_t size);
+
+/** @} */
+
+/**
  * @defgroup context Contexts
  *
  * Contexts. A context holds everything that the library knows: objects, threads, the log sink. Two contexts never
@@ -604,7 +783,7 @@ void mry_context_desc_init(mry_context_desc *desc,
  * @param out_context  The context.
  * @param err          Detail of a failure, or NULL.
  * @return MRY_OK; MRY_E_NULL, MRY_E_STRUCT_SIZE, MRY_E_UNSUPPORTED, MRY_E_ABI (the host's header is of another
- *         version), MRY_E_ARGUMENT (threads above 1024), MRY_E_THREADS.
+ *         version), MRY_E_ARGUMENT (threads above 1024, a limit above its bound), MRY_E_THREADS.
  * Lifetime: until mry_context_destroy.
  * Thread: [any-thread]. Since 0.1.
  */
@@ -1841,10 +2020,110 @@ mry_status mry_creature_read_texture(mry_context *context,
 /** @} */
 
 /**
+ * @defgroup maps Maps
+ *
+ * Maps. Frames, meshes and textures read where they lie, without a copy. What a map shows does not change and stays
+ * until mry_unmap, whatever happens to the object it came from: clips and creatures do not change, and a map keeps
+ * what it shows alive. The memory is the library's; it must not be written to.
+ * @{
+ */
+
+/**
+ * Fills in an image view with struct_size set and everything else zero, for languages without the INIT macros.
+ *
+ * @param view  Where to write; NULL does nothing.
+ * @param size  sizeof(mry_image_view) as the caller knows it.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+void mry_image_view_init(mry_image_view *view,
+                         uint32_t size);
+
+/**
+ * Fills in a mesh view with struct_size set and everything else zero, for languages without the INIT macros.
+ *
+ * @param view  Where to write; NULL does nothing.
+ * @param size  sizeof(mry_mesh_view) as the caller knows it.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API void mry_mesh_view_init(mry_mesh_view *view, uint32_t size);
+
+/**
+ * Maps a decoded frame.
+ *
+ * @param context   The context.
+ * @param clip      The clip.
+ * @param frame     Which, counted from 0.
+ * @param out_view  The picture; its struct_size must be set.
+ * @param err       Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_ARGUMENT (frame), MRY_E_STRUCT_SIZE, MRY_E_INPUT (a broken frame), MRY_E_IO, MRY_E_LIMIT.
+ * Lifetime: until mry_unmap or the end of the context; the clip may be closed before.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_clip_map_frame(mry_context *context,
+                              mry_clip clip,
+                              uint64_t frame,
+                              mry_image_view *out_view,
+                              mry_error *err);
+
+/**
+ * Maps a part's surface in one frame. Mapping all parts of a frame before the next frame is fastest.
+ *
+ * @param context   The context.
+ * @param creature  The creature.
+ * @param part      Which, below part_count.
+ * @param frame     Which, below frame_count, or MRY_REST_POSE.
+ * @param out_view  The surface; its struct_size must be set.
+ * @param err       Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_ARGUMENT (part, frame), MRY_E_STRUCT_SIZE, MRY_E_LIMIT.
+ * Lifetime: until mry_unmap or the end of the context; the creature may be destroyed before.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_creature_map_part(mry_context *context,
+                                 mry_creature creature,
+                                 uint32_t part,
+                                 uint64_t frame,
+                                 mry_mesh_view *out_view,
+                                 mry_error *err);
+
+/**
+ * Maps a part's texture.
+ *
+ * @param context   The context.
+ * @param creature  The creature.
+ * @param part      Which, below part_count.
+ * @param out_view  The picture; its struct_size must be set.
+ * @param err       Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_ARGUMENT (part), MRY_E_STRUCT_SIZE, MRY_E_LIMIT.
+ * Lifetime: until mry_unmap or the end of the context; the creature may be destroyed before.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_creature_map_texture(mry_context *context,
+                                    mry_creature creature,
+                                    uint32_t part,
+                                    mry_image_view *out_view,
+                                    mry_error *err);
+
+/**
+ * Gives mapped memory back; it must not be read any more.
+ *
+ * @param context  The context.
+ * @param map      The map; {0} is no error.
+ * @return MRY_OK.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API mry_status mry_unmap(mry_context *context, mry_map map);
+
+/** @} */
+
+/**
  * @defgroup creature_files Creature files
  *
- * Creature files. What other programs read: glTF, OBJ, and the folder with everything. Each appears whole or not at
- * all.
+ * Creature files. What other programs read: glTF, OBJ, pictures, and the folder with everything. Each appears whole or
+ * not at all. mry_job_start_export writes the same files as a job.
  * @{
  */
 
@@ -1889,6 +2168,24 @@ mry_status mry_creature_write_folder(mry_context *context,
                                      uint32_t write_obj,
                                      float scale,
                                      mry_error *err);
+
+/**
+ * Writes the meshes into a folder: 00000.obj, ... in world coordinates, one a frame, creature.mtl, a PNG for each
+ * part, report.json. The folder appears whole or not at all. One that was written before is replaced, anything else
+ * in the way is left alone and refused.
+ *
+ * @param context   The context.
+ * @param creature  The creature.
+ * @param folder    The folder.
+ * @param err       Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_IO, MRY_E_INPUT (something is in the way), MRY_E_STRING, MRY_E_ARGUMENT.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_creature_write_obj(mry_context *context,
+                                  mry_creature creature,
+                                  mry_str folder,
+                                  mry_error *err);
 
 /** @} */
 
@@ -1963,13 +2260,30 @@ mry_status mry_job_cancel(mry_context *context,
                           mry_error *err);
 
 /**
+ * Takes the clip that an open job opened; once.
+ *
+ * @param context   The context.
+ * @param job       The job.
+ * @param out_clip  The clip.
+ * @param err       Detail of the job's or the call's failure, or NULL.
+ * @return MRY_OK; MRY_PENDING and MRY_CANCELLED (no output), the error the job ended with, MRY_E_TAKEN, MRY_E_KIND.
+ * Lifetime: until mry_clip_close or the end of the context; the job may go before.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_job_take_clip(mry_context *context,
+                             mry_job job,
+                             mry_clip *out_clip,
+                             mry_error *err);
+
+/**
  * Takes the motion that a job made; once.
  *
  * @param context     The context.
  * @param job         The job.
  * @param out_motion  The motion.
  * @param err         Detail of the job's or the call's failure, or NULL.
- * @return MRY_OK; MRY_PENDING and MRY_CANCELLED (no output), the error the job ended with, MRY_E_TAKEN.
+ * @return MRY_OK; MRY_PENDING and MRY_CANCELLED (no output), the error the job ended with, MRY_E_TAKEN, MRY_E_KIND.
  * Lifetime: until mry_motion_destroy or the end of the context; the job may go before.
  * Thread: [any-thread]. Since 0.1.
  */
@@ -2022,6 +2336,34 @@ mry_status mry_job_take_creature(mry_context *context,
  * Thread: [any-thread]. Since 0.1.
  */
 MRY_API mry_status mry_job_destroy(mry_context *context, mry_job job);
+
+/** @} */
+
+/**
+ * @defgroup opening Opening
+ *
+ * Opening. A clip opened by a job: listing thousands of images, or the frames of a long video, takes its time.
+ * @{
+ */
+
+/**
+ * Starts opening a clip. Gives a clip, whose warnings mry_clip_get_warning has.
+ *
+ * @param context  The context.
+ * @param path     The file or folder.
+ * @param options  How to open it; NULL for the defaults.
+ * @param out_job  The job.
+ * @param err      Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_STRING, MRY_E_ARGUMENT, MRY_E_NON_FINITE, MRY_E_STRUCT_SIZE.
+ * Lifetime: until mry_job_destroy or the end of the context.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_job_start_open(mry_context *context,
+                              mry_str path,
+                              const mry_clip_options *options,
+                              mry_job *out_job,
+                              mry_error *err);
 
 /** @} */
 
@@ -2188,6 +2530,57 @@ mry_status mry_run_creature(mry_context *context,
                             const mry_creature_desc *desc,
                             mry_creature *out_creature,
                             mry_error *err);
+
+/** @} */
+
+/**
+ * @defgroup exporting Exporting
+ *
+ * Exporting. A creature's files, written by a job.
+ * @{
+ */
+
+/**
+ * Fills in a description with struct_size set and everything else zero, for languages without the INIT macros.
+ *
+ * @param desc  Where to write; NULL does nothing.
+ * @param size  sizeof(mry_export_desc) as the caller knows it.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+void mry_export_desc_init(mry_export_desc *desc,
+                          uint32_t size);
+
+/**
+ * Starts writing a creature's files. A file or folder appears whole or not at all. There is nothing to take.
+ *
+ * @param context  The context.
+ * @param desc     What to export.
+ * @param out_job  The job.
+ * @param err      Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_ARGUMENT (what, scale, path), MRY_E_NON_FINITE, MRY_E_STRUCT_SIZE, MRY_E_STRING.
+ * Lifetime: until mry_job_destroy or the end of the context.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_job_start_export(mry_context *context,
+                                const mry_export_desc *desc,
+                                mry_job *out_job,
+                                mry_error *err);
+
+/**
+ * Writes a creature's files, and returns when it is done. Work that was started before comes first.
+ *
+ * @param context  The context.
+ * @param desc     What to export.
+ * @param err      Detail of a failure, or NULL.
+ * @return MRY_OK; what mry_job_start_export and mry_job_wait return.
+ * Thread: [outside-callbacks]. Since 0.1.
+ */
+MRY_API
+mry_status mry_run_export(mry_context *context,
+                          const mry_export_desc *desc,
+                          mry_error *err);
 
 /** @} */
 

@@ -14,11 +14,13 @@ use cbindgen::{Builder, Config, DocumentationStyle, EnumConfig, ExportConfig, Fu
 use crate::shell::{root, say};
 
 /// The files of ffi/src in the order a reader meets them.
-const FILES: [&str; 22] = [
+const FILES: [&str; 27] = [
     "version.rs",
     "status.rs",
     "string.rs",
     "error.rs",
+    "limits.rs",
+    "threads.rs",
     "context.rs",
     "clip.rs",
     "rig.rs",
@@ -32,11 +34,14 @@ const FILES: [&str; 22] = [
     "creature.rs",
     "bones.rs",
     "surface.rs",
+    "maps.rs",
     "creature_files.rs",
     "job.rs",
+    "opening.rs",
     "tracking.rs",
     "segmenting.rs",
     "reconstructing.rs",
+    "exporting.rs",
 ];
 
 const PREAMBLE: &str = "\

@@ -1,6 +1,7 @@
 //! The project's chores. `cargo xtask` lists them.
 
 mod c_host;
+mod cancels;
 mod check;
 mod header;
 mod library;
@@ -20,6 +21,7 @@ cargo xtask COMMAND
   header [--check]   include/marey/marey.h from ffi/src
   library [--dev]    target/marey: the C library as it is installed
   c-host [--dev]     the header's compile matrix, and the C program of hosts/c built and run
+  cancels            how soon jobs end when cancelled, at a hundred moments (release build, quiet machine)
   measure DATA ...   the table of scores on a data folder (release build)
   validate GLB ...   the Khronos glTF validator on files
 ";
@@ -37,6 +39,7 @@ fn main() -> Result<()> {
         "header" => header::run(rest),
         "library" => library::run(rest),
         "c-host" => c_host::run(rest),
+        "cancels" => cancels::run(),
         "validate" => validator::run(rest),
         "help" | "--help" | "-h" => {
             shell::say(HELP);

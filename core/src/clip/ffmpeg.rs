@@ -11,8 +11,10 @@
 use std::io::{BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStdout, Command, Stdio};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
+use std::time::Duration;
 
 use image::RgbImage;
 use serde::Deserialize;
@@ -21,6 +23,7 @@ use super::source::{Damage, Decoded, Source, Stream};
 use super::yuv::ColorSpace;
 use super::{ClipInfo, ClipOptions, Opened, Picture, check_pixels};
 use crate::error::{Error, Result};
+use crate::job::Stage;
 
 /// Why ffmpeg did not help.
 pub(super) enum NoHelp {
@@ -86,9 +89,9 @@ const MAX_LISTING_BYTES: u64 = 256 << 20;
 /// How much of what ffmpeg complains is kept.
 const MAX_COMPLAINT_BYTES: u64 = 4 << 10;
 
-pub(super) fn open(path: &Path, options: &ClipOptions) -> std::result::Result<Opened, NoHelp> {
+pub(super) fn open(path: &Path, options: &ClipOptions, stage: Stage<'_>) -> std::result::Result<Opened, NoHelp> {
     let Some(program) = options.ffmpeg.clone() else { return Err(NoHelp::Forbidden) };
-    let probe = probe(path, &program.with_file_name("ffprobe"))?;
+    let probe = probe(path, &program.with_file_name("ffprobe"), stage)?;
     let stream = probe.streams.first().ok_or_else(|| NoHelp::Refused("it has no video stream".to_owned()))?;
     if matches!(stream.codec_name.as_str(), "ansi" | "bintext" | "xbin" | "idf") {
         return Err(NoHelp::Refused("it is text".to_owned()));
@@ -112,7 +115,11 @@ pub(super) fn open(path: &Path, options: &ClipOptions) -> std::result::Result<Op
     let pixel_format = if has_alpha(&stream.pix_fmt) { "rgba" } else { "rgb24" };
     let job = Job { program, path: path.to_owned(), filters, pixel_format, frames: shown.len() };
     let mut frames = Frames::start(Arc::new(job), options.max_pixels)?;
-    let (width, height) = match frames.peek_size() {
+    let peeked = watched(&mut frames.child, stage, || {
+        frames.peeked = read_header(&mut frames.stdout);
+    });
+    peeked?;
+    let (width, height) = match frames.peeked.map(|h| (h.width, h.height)) {
         Some(size) => size,
         None => return Err(NoHelp::Refused(frames.complaint())),
     };
@@ -161,7 +168,31 @@ fn listen(child: &mut Child) -> Option<JoinHandle<String>> {
     }))
 }
 
-fn probe(path: &Path, program: &Path) -> std::result::Result<Probe, NoHelp> {
+/// Reads from `child` by `read`; a cancel kills it, so that reading ends.
+fn watched<T>(child: &mut Child, stage: Stage<'_>, read: impl FnOnce() -> T) -> Result<T> {
+    const BETWEEN_CHECKS: Duration = Duration::from_millis(10);
+    let done = AtomicBool::new(false);
+    let answer = std::thread::scope(|scope| {
+        let watcher = scope.spawn(|| {
+            while !done.load(Ordering::Acquire) {
+                if stage.at(0.0).is_err() {
+                    // It may have ended by itself, which is as good.
+                    let _ = child.kill();
+                    break;
+                }
+                std::thread::park_timeout(BETWEEN_CHECKS);
+            }
+        });
+        let answer = read();
+        done.store(true, Ordering::Release);
+        watcher.thread().unpark();
+        answer
+    });
+    stage.at(0.0)?;
+    Ok(answer)
+}
+
+fn probe(path: &Path, program: &Path, stage: Stage<'_>) -> std::result::Result<Probe, NoHelp> {
     let mut command = Command::new(program);
     command.args(["-v", "error", "-select_streams", "V:0", "-of", "json", "-show_entries"]);
     command
@@ -171,7 +202,12 @@ fn probe(path: &Path, program: &Path) -> std::result::Result<Probe, NoHelp> {
     let complaint = listen(&mut child);
     let mut listing = Vec::new();
     if let Some(stdout) = child.stdout.take() {
-        let read = stdout.take(MAX_LISTING_BYTES).read_to_end(&mut listing);
+        let read = watched(&mut child, stage, || stdout.take(MAX_LISTING_BYTES).read_to_end(&mut listing));
+        if read.is_err() {
+            // It was killed; what is left of it is waited for.
+            let _ = child.wait();
+        }
+        let read = read?;
         read.map_err(|e| Error::io(program, "read from", e))?;
     }
     let status = child.wait().map_err(|e| Error::io(program, "wait for", e))?;
@@ -245,13 +281,6 @@ impl Frames {
         let stdout = child.stdout.take().ok_or_else(|| NoHelp::Refused("it has no output".to_owned()))?;
         let stdout = BufReader::with_capacity(1 << 16, stdout);
         Ok(Self { job, child, stdout, complaint, peeked: None, size: None, max_pixels, next: 0 })
-    }
-
-    fn peek_size(&mut self) -> Option<(u32, u32)> {
-        if self.peeked.is_none() {
-            self.peeked = read_header(&mut self.stdout);
-        }
-        self.peeked.map(|h| (h.width, h.height))
     }
 
     fn read(&mut self) -> Option<std::result::Result<Picture, String>> {

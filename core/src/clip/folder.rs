@@ -13,6 +13,7 @@ use image::{DynamicImage, ImageDecoder, ImageReader};
 use super::source::{Damage, Decoded, Source, Stream};
 use super::{Attempt, ClipInfo, ClipOptions, Opened, Picture, check_pixels};
 use crate::error::{Error, Result};
+use crate::job::Stage;
 
 const EXTENSIONS: [&str; 4] = ["png", "jpg", "jpeg", "webp"];
 
@@ -39,23 +40,24 @@ fn split_number(stem: &str) -> Option<(&str, u64, &str)> {
     Some((&stem[..start], stem[start..end].parse().ok()?, &stem[end..]))
 }
 
-pub(super) fn open(path: &Path, options: &ClipOptions) -> Attempt<Opened> {
+pub(super) fn open(path: &Path, options: &ClipOptions, stage: Stage<'_>) -> Attempt<Opened> {
     let mut warnings = Vec::new();
-    let paths = series_in(path, &mut warnings)?;
-    open_series(path, paths, warnings, options)
+    let paths = series_in(path, &mut warnings, stage)?;
+    open_series(path, paths, warnings, options, stage)
 }
 
 /// A single image.
-pub(super) fn open_still(path: &Path, options: &ClipOptions) -> Attempt<Opened> {
-    open_series(path, vec![path.to_owned()], Vec::new(), options)
+pub(super) fn open_still(path: &Path, options: &ClipOptions, stage: Stage<'_>) -> Attempt<Opened> {
+    open_series(path, vec![path.to_owned()], Vec::new(), options, stage)
 }
 
 /// The numbered images of the folder, in order.
-fn series_in(path: &Path, warnings: &mut Vec<String>) -> Result<Vec<PathBuf>> {
+fn series_in(path: &Path, warnings: &mut Vec<String>, stage: Stage<'_>) -> Result<Vec<PathBuf>> {
     const EXPECTED: &str = "expected images like 00000.png, 00001.png, ... of one series";
     let mut series: BTreeMap<(String, String), BTreeMap<u64, PathBuf>> = BTreeMap::new();
     let mut unnumbered = Vec::new();
     for entry in std::fs::read_dir(path).map_err(|e| Error::io(path, "read", e))? {
+        stage.at(0.0)?;
         let file = entry.map_err(|e| Error::io(path, "read", e))?.path();
         let extension = file.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
         let hidden = file.file_name().is_none_or(|n| n.to_string_lossy().starts_with('.'));
@@ -114,10 +116,17 @@ fn name_of(path: &Path) -> String {
     path.file_name().unwrap_or_default().to_string_lossy().into_owned()
 }
 
-fn open_series(path: &Path, paths: Vec<PathBuf>, mut warnings: Vec<String>, options: &ClipOptions) -> Attempt<Opened> {
+fn open_series(
+    path: &Path,
+    paths: Vec<PathBuf>,
+    mut warnings: Vec<String>,
+    options: &ClipOptions,
+    stage: Stage<'_>,
+) -> Attempt<Opened> {
     let mut size = None;
     let mut unreadable = None;
     for (frame, file) in paths.iter().enumerate() {
+        stage.at(frame as f64 / paths.len() as f64)?;
         let this = match decoder(file).and_then(|mut d| oriented_size(&mut d)) {
             Ok(size) => size,
             Err(why) => {

@@ -31,6 +31,7 @@ use self::ffmpeg::NoHelp;
 use self::pool::Pool;
 use self::source::Source;
 use crate::error::{Error, Result};
+use crate::job::{Progress, Stage};
 
 /// What a clip is.
 #[derive(Clone, Debug)]
@@ -149,13 +150,23 @@ impl Clip {
     /// # Errors
     /// As for [`Self::open`], with other bounds.
     pub fn open_with(path: impl AsRef<Path>, options: &ClipOptions) -> Result<Self> {
+        Self::open_staged(path, options, Progress::new().whole())
+    }
+
+    /// Opens a video file or a folder of numbered images, which takes its time where there are thousands of images or
+    /// another program has to list the frames.
+    ///
+    /// # Errors
+    /// As for [`Self::open_with`], or a cancel.
+    pub fn open_staged(path: impl AsRef<Path>, options: &ClipOptions, stage: Stage<'_>) -> Result<Self> {
         let path = path.as_ref();
+        stage.name("opening")?;
         let opened = match Kind::of(path)? {
-            Kind::Folder => folder::open(path, options),
-            Kind::Still => folder::open_still(path, options),
-            Kind::Gif => animation::open_gif(path, options),
-            Kind::Apng => animation::open_apng(path, options),
-            Kind::WebP => animation::open_webp(path, options),
+            Kind::Folder => folder::open(path, options, stage),
+            Kind::Still => folder::open_still(path, options, stage),
+            Kind::Gif => animation::open_gif(path, options, stage),
+            Kind::Apng => animation::open_apng(path, options, stage),
+            Kind::WebP => animation::open_webp(path, options, stage),
             #[cfg(feature = "h264")]
             Kind::Mp4 => mp4::open(path, options),
             #[cfg(not(feature = "h264"))]
@@ -177,7 +188,7 @@ impl Clip {
         };
         let remedy =
             |first: &str| format!("{first}, or convert it: ffmpeg -i IN -c:v libx264 -pix_fmt yuv420p OUT.mp4");
-        match ffmpeg::open(path, options) {
+        match ffmpeg::open(path, options, stage) {
             Ok(opened) => Ok(Self::new(path, opened, options)),
             Err(NoHelp::Error(error)) => Err(error),
             Err(NoHelp::Forbidden) => {
@@ -206,6 +217,11 @@ impl Clip {
     fn new(path: &Path, opened: Opened, options: &ClipOptions) -> Self {
         let Opened { info, times, pictures, source } = opened;
         Self { name: path.to_owned(), info, times, pictures, pool: Pool::new(source, options.cache_bytes) }
+    }
+
+    /// The file or folder that it was opened from.
+    pub fn name(&self) -> &Path {
+        &self.name
     }
 
     /// What the clip is.

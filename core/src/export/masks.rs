@@ -49,7 +49,7 @@ pub(super) fn frame_name(frame: usize, extension: &str) -> String {
 }
 
 /// Whether `name` is one that [`frame_name`] makes.
-fn is_frame(name: &str, extension: &str) -> bool {
+pub(super) fn is_frame(name: &str, extension: &str) -> bool {
     name.strip_suffix(extension)
         .and_then(|n| n.strip_suffix('.'))
         .is_some_and(|n| n.len() >= 5 && n.bytes().all(|b| b.is_ascii_digit()))

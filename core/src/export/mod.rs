@@ -17,7 +17,7 @@ mod write_aside;
 pub use creature_folder::{CreatureFiles, FolderOptions, check_creature_folder, write_creature};
 pub use folder::StagedFolder;
 pub use masks::{check_mask_folder, write_mask_folder, write_masks};
-pub use obj::write_obj;
+pub use obj::{write_obj, write_obj_folder};
 pub use overlay::overlay;
 pub use preview::preview;
 pub use write_aside::write_aside;

@@ -6,8 +6,10 @@ use std::path::Path;
 
 use rayon::prelude::*;
 
-use super::masks::frame_name;
+use super::folder::{REPORT, StagedFolder};
+use super::masks::{frame_name, is_frame};
 use super::png::encode_rgb;
+use super::report::Report;
 use crate::error::{Error, Result};
 use crate::geometry::TriMesh;
 use crate::job::Stage;
@@ -59,6 +61,25 @@ pub fn write_obj(folder: &Path, model: &RiggedModel, stage: Stage<'_>) -> Result
         }
         write(&frame_name(frame, "obj"), &out)
     })
+}
+
+/// The meshes alone with report.json, put into `target` whole or not at all.
+///
+/// # Errors
+/// As [`write_obj`], or a target that is somebody else's ([`StagedFolder::begin`]).
+pub fn write_obj_folder(target: &Path, model: &RiggedModel, report: &Report, stage: Stage<'_>) -> Result<()> {
+    let folder = StagedFolder::begin(target, is_ours)?;
+    stage.name("writing meshes")?;
+    write_obj(folder.path(), model, stage)?;
+    folder.write(REPORT, report.to_json().as_bytes())?;
+    stage.at(1.0)?;
+    folder.commit()
+}
+
+fn is_ours(name: &str) -> bool {
+    let numbered = |n: &str| n.len() >= 2 && n.bytes().all(|b| b.is_ascii_digit());
+    let texture = || name.strip_suffix(".png").and_then(|n| n.split_once('_')).is_some_and(|(n, _)| numbered(n));
+    [MATERIALS, REPORT].contains(&name) || is_frame(name, "obj") || texture()
 }
 
 /// Texture coordinates and faces of a part whose first vertex has the number `first`.

@@ -53,6 +53,8 @@ pub(crate) fn context_desc(threads: u32) -> mry_context_desc {
         reserved0: 0,
         log: None,
         log_user: ptr::null_mut(),
+        limits: ptr::null(),
+        executor: ptr::null(),
     }
 }
 

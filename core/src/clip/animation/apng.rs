@@ -6,28 +6,28 @@ use std::path::Path;
 
 use png::{BlendOp, ColorType, DisposeOp, Transformations};
 
-use super::{Frames, Index, MAX_FRAMES, Walk, opened};
+use super::{Frames, Index, MAX_FRAMES, Walk, opened, walked};
 use crate::clip::{Attempt, ClipOptions, Opened, Picture};
 use crate::error::{Error, Result};
+use crate::job::{Progress, Stage};
 
 /// Whether a PNG announces an animation before its first picture.
 pub(in crate::clip) fn is_animated(path: &Path) -> Result<bool> {
-    let (_, claimed) = read_index(path, true)?;
+    let (_, claimed) = read_index(path, true, Progress::new().whole())?;
     Ok(claimed.is_some())
 }
 
-pub(in crate::clip) fn open(path: &Path, options: &ClipOptions) -> Attempt<Opened> {
-    let (index, claimed) = read_index(path, false)?;
+pub(in crate::clip) fn open(path: &Path, options: &ClipOptions, stage: Stage<'_>) -> Attempt<Opened> {
+    let (index, claimed) = read_index(path, false, stage)?;
     opened(path, options, "apng", index, claimed, start)
 }
 
-fn read_index(path: &Path, head_only: bool) -> Result<(Index, Option<usize>)> {
-    let file = File::open(path).map_err(|e| Error::io(path, "open", e))?;
-    Walk::new(BufReader::new(file)).and_then(|walk| scan(walk, head_only)).map_err(|e| Error::io(path, "read", e))
+fn read_index(path: &Path, head_only: bool, stage: Stage<'_>) -> Result<(Index, Option<usize>)> {
+    walked(path, stage, |walk| scan(walk, head_only))
 }
 
 /// The index, and the number of frames that the file claims if it claims to be an animation.
-fn scan<R: Read + Seek>(mut walk: Walk<R>, head_only: bool) -> std::io::Result<(Index, Option<usize>)> {
+fn scan<R: Read + Seek>(mut walk: Walk<'_, R>, head_only: bool) -> std::io::Result<(Index, Option<usize>)> {
     let mut index = Index::default();
     let mut claimed = None;
     index.problem = scan_chunks(&mut walk, &mut index, &mut claimed, head_only)?;
@@ -35,12 +35,12 @@ fn scan<R: Read + Seek>(mut walk: Walk<R>, head_only: bool) -> std::io::Result<(
 }
 
 fn scan_chunks<R: Read + Seek>(
-    walk: &mut Walk<R>,
+    walk: &mut Walk<'_, R>,
     index: &mut Index,
     claimed: &mut Option<usize>,
     head_only: bool,
 ) -> std::io::Result<Option<String>> {
-    let cut = |walk: &Walk<R>| Ok(Some(format!("is cut off at byte {}", walk.len)));
+    let cut = |walk: &Walk<'_, R>| Ok(Some(format!("is cut off at byte {}", walk.len)));
     let Some(_signature) = walk.take::<8>()? else { return cut(walk) };
     // A frame is whole when what follows its data has begun.
     let mut pending: Option<f64> = None;

@@ -7,20 +7,20 @@ use std::path::Path;
 
 use gif::DisposalMethod;
 
-use super::{Frames, Index, MAX_FRAMES, Walk, opened};
+use super::{Frames, Index, MAX_FRAMES, Walk, opened, walked};
 use crate::clip::{Attempt, ClipOptions, Opened, Picture};
 use crate::error::{Error, Result};
+use crate::job::Stage;
 
 /// Delays this short, in hundredths of a second, are shown by browsers as a tenth.
 const NO_DELAY: u16 = 1;
 
-pub(in crate::clip) fn open(path: &Path, options: &ClipOptions) -> Attempt<Opened> {
-    let file = File::open(path).map_err(|e| Error::io(path, "open", e))?;
-    let index = Walk::new(BufReader::new(file)).and_then(scan).map_err(|e| Error::io(path, "read", e))?;
+pub(in crate::clip) fn open(path: &Path, options: &ClipOptions, stage: Stage<'_>) -> Attempt<Opened> {
+    let index = walked(path, stage, scan)?;
     opened(path, options, "gif", index, None, start)
 }
 
-fn scan<R: std::io::Read + std::io::Seek>(mut walk: Walk<R>) -> std::io::Result<Index> {
+fn scan<R: std::io::Read + std::io::Seek>(mut walk: Walk<'_, R>) -> std::io::Result<Index> {
     let mut index = Index::default();
     index.problem = scan_blocks(&mut walk, &mut index)?;
     Ok(index)
@@ -28,10 +28,10 @@ fn scan<R: std::io::Read + std::io::Seek>(mut walk: Walk<R>) -> std::io::Result<
 
 /// Fills the index up to the end of the animation; the answer is what is wrong there.
 fn scan_blocks<R: std::io::Read + std::io::Seek>(
-    walk: &mut Walk<R>,
+    walk: &mut Walk<'_, R>,
     index: &mut Index,
 ) -> std::io::Result<Option<String>> {
-    let cut = |walk: &Walk<R>| Ok(Some(format!("is cut off at byte {}", walk.len)));
+    let cut = |walk: &Walk<'_, R>| Ok(Some(format!("is cut off at byte {}", walk.len)));
     let Some([.., w0, w1, h0, h1, flags, _, _]) = walk.take::<13>()? else { return cut(walk) };
     index.width = u16::from_le_bytes([w0, w1]).into();
     index.height = u16::from_le_bytes([h0, h1]).into();
@@ -81,7 +81,7 @@ fn color_table_bytes(flags: u8) -> u64 {
     if flags & 0x80 != 0 { 3 << ((flags & 7) + 1) } else { 0 }
 }
 
-fn skip_sub_blocks<R: std::io::Read + std::io::Seek>(walk: &mut Walk<R>) -> std::io::Result<bool> {
+fn skip_sub_blocks<R: std::io::Read + std::io::Seek>(walk: &mut Walk<'_, R>) -> std::io::Result<bool> {
     loop {
         match walk.take()? {
             None => return Ok(false),

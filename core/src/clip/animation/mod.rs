@@ -7,13 +7,15 @@ mod apng;
 mod gif;
 mod webp;
 
-use std::io::{Read, Seek, SeekFrom};
+use std::fs::File;
+use std::io::{BufReader, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::source::{Damage, Decoded, Source, Stream};
 use super::{Attempt, ClipInfo, ClipOptions, Opened, Picture, check_pixels};
 use crate::error::{Error, Result};
+use crate::job::Stage;
 
 pub(super) use self::apng::{is_animated as is_apng, open as open_apng};
 pub(super) use self::gif::open as open_gif;
@@ -135,18 +137,32 @@ impl Stream for Playing {
     }
 }
 
+/// Walks over the file at `path` with `scan`.
+fn walked<T>(
+    path: &Path,
+    stage: Stage<'_>,
+    scan: impl FnOnce(Walk<'_, BufReader<File>>) -> std::io::Result<T>,
+) -> Result<T> {
+    let file = File::open(path).map_err(|e| Error::io(path, "open", e))?;
+    let found = Walk::new(BufReader::new(file), stage).and_then(scan);
+    // A walk that was cancelled ends in an error of its reader.
+    stage.at(0.5)?;
+    found.map_err(|e| Error::io(path, "read", e))
+}
+
 /// A file that is walked over, with its length at hand.
-struct Walk<R> {
+struct Walk<'a, R> {
     reader: R,
     at: u64,
     len: u64,
+    stage: Stage<'a>,
 }
 
-impl<R: Read + Seek> Walk<R> {
-    fn new(mut reader: R) -> std::io::Result<Self> {
+impl<'a, R: Read + Seek> Walk<'a, R> {
+    fn new(mut reader: R, stage: Stage<'a>) -> std::io::Result<Self> {
         let len = reader.seek(SeekFrom::End(0))?;
         reader.seek(SeekFrom::Start(0))?;
-        Ok(Self { reader, at: 0, len })
+        Ok(Self { reader, at: 0, len, stage })
     }
 
     /// The next bytes, or [`None`] where the file ends before.
@@ -154,6 +170,7 @@ impl<R: Read + Seek> Walk<R> {
         if self.len - self.at < N as u64 {
             return Ok(None);
         }
+        self.stage.at(0.0).map_err(|_| std::io::ErrorKind::Interrupted)?;
         let mut bytes = [0; N];
         self.reader.read_exact(&mut bytes)?;
         self.at += N as u64;

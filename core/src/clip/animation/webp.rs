@@ -6,9 +6,10 @@ use std::path::Path;
 
 use image_webp::WebPDecoder;
 
-use super::{Frames, Index, MAX_FRAMES, Walk, opened};
+use super::{Frames, Index, MAX_FRAMES, Walk, opened, walked};
 use crate::clip::{Attempt, ClipOptions, Opened, Picture};
 use crate::error::{Error, Result};
+use crate::job::Stage;
 
 /// Whether a WebP file says that it is animated.
 pub(in crate::clip) fn is_animated(path: &Path) -> Result<bool> {
@@ -17,20 +18,19 @@ pub(in crate::clip) fn is_animated(path: &Path) -> Result<bool> {
     Ok(file.read_exact(&mut head).is_ok() && &head[12..16] == b"VP8X" && head[20] & 2 != 0)
 }
 
-pub(in crate::clip) fn open(path: &Path, options: &ClipOptions) -> Attempt<Opened> {
-    let file = File::open(path).map_err(|e| Error::io(path, "open", e))?;
-    let index = Walk::new(BufReader::new(file)).and_then(scan).map_err(|e| Error::io(path, "read", e))?;
+pub(in crate::clip) fn open(path: &Path, options: &ClipOptions, stage: Stage<'_>) -> Attempt<Opened> {
+    let index = walked(path, stage, scan)?;
     opened(path, options, "webp", index, None, start)
 }
 
-fn scan<R: Read + Seek>(mut walk: Walk<R>) -> std::io::Result<Index> {
+fn scan<R: Read + Seek>(mut walk: Walk<'_, R>) -> std::io::Result<Index> {
     let mut index = Index::default();
     index.problem = scan_chunks(&mut walk, &mut index)?;
     Ok(index)
 }
 
-fn scan_chunks<R: Read + Seek>(walk: &mut Walk<R>, index: &mut Index) -> std::io::Result<Option<String>> {
-    let cut = |walk: &Walk<R>| Ok(Some(format!("is cut off at byte {}", walk.len)));
+fn scan_chunks<R: Read + Seek>(walk: &mut Walk<'_, R>, index: &mut Index) -> std::io::Result<Option<String>> {
+    let cut = |walk: &Walk<'_, R>| Ok(Some(format!("is cut off at byte {}", walk.len)));
     let Some([_, _, _, _, s0, s1, s2, s3, ..]) = walk.take::<12>()? else { return cut(walk) };
     let end = u64::from(u32::from_le_bytes([s0, s1, s2, s3])) + 8;
     while walk.at + 8 <= end {
