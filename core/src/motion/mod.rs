@@ -49,7 +49,7 @@ pub struct Track {
 }
 
 /// Named tracks over time.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Motion {
     /// Width and height of the clip.
     pub size: (u32, u32),

@@ -33,7 +33,8 @@ pub enum Facing {
 }
 
 /// A body part that does not branch.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Limb {
     /// The user's name for it, unique in the rig.
     pub label: String,
@@ -42,7 +43,8 @@ pub struct Limb {
 }
 
 /// A limb as drawn on one frame.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Stroke {
     /// Index into [`Rig::limbs`].
     pub limb: usize,
@@ -53,7 +55,8 @@ pub struct Stroke {
 }
 
 /// A brush stroke that says what belongs to the creature.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Paint {
     /// Creature or background.
     pub foreground: bool,
@@ -64,7 +67,8 @@ pub struct Paint {
 }
 
 /// All that the user did on one frame.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct KeyFrame {
     /// The frame, counted from 0.
     pub frame: usize,
@@ -77,7 +81,8 @@ pub struct KeyFrame {
 }
 
 /// The user's whole input for a clip.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Rig {
     /// Width and height of the clip that was drawn on.
     pub size: (u32, u32),
@@ -91,6 +96,7 @@ pub struct Rig {
 const MAX_OUTSIDE: f32 = 2.0;
 /// Bounds that keep a hostile file from eating the machine.
 const MAX_LIMBS: usize = 256;
+const MAX_KEYFRAMES: usize = 100_000;
 const MAX_POINTS: usize = 10_000;
 
 impl Rig {
@@ -105,15 +111,37 @@ impl Rig {
                 "scale the strokes or use the clip they were drawn on",
             ));
         }
-        if self.size.0 == 0 || self.size.1 == 0 {
-            return Err(Error::invalid("strokes", "the size is empty", "give the clip's width and height"));
+        self.validate_draft()?;
+        for (i, limb) in self.limbs.iter().enumerate() {
+            if self.keys_of(i).next().is_none() {
+                let what = format!("limb `{}`", limb.label);
+                return Err(Error::invalid(what, "has no stroke", "draw it on a key frame or remove it"));
+            }
         }
-        if self.limbs.len() > MAX_LIMBS {
+        if self.keyframes.iter().all(|k| k.strokes.is_empty()) {
+            return Err(Error::invalid("strokes", "no key frame has a stroke", "draw each limb on one frame"));
+        }
+        if let (Some((_, frames)), Some(last)) = (clip, self.keyframes.last())
+            && last.frame >= frames
+        {
+            return Err(Error::invalid(
+                format!("key frame {}", last.frame),
+                format!("is past the clip's last frame {}", frames.saturating_sub(1)),
+                "frames count from 0",
+            ));
+        }
+        Ok(())
+    }
+
+    /// Checks what holds of a rig from its first stroke on, finished or not.
+    pub fn validate_draft(&self) -> Result<()> {
+        let counts = [("limbs", self.limbs.len(), MAX_LIMBS), ("key frames", self.keyframes.len(), MAX_KEYFRAMES)];
+        if let Some((what, value, max)) = counts.into_iter().find(|(_, value, max)| value > max) {
             return Err(Error::Limit {
-                what: "the number of limbs".into(),
-                value: self.limbs.len() as u64,
-                max: MAX_LIMBS as u64,
-                remedy: "draw one limb for each body part".into(),
+                what: format!("the number of {what}"),
+                value: value as u64,
+                max: max as u64,
+                remedy: "draw one limb for each body part, on the frames that need it".into(),
             });
         }
         for (i, limb) in self.limbs.iter().enumerate() {
@@ -125,14 +153,8 @@ impl Rig {
                 return Err(Error::invalid(what, "is listed twice", "give each limb its own label"));
             }
         }
-        for (i, limb) in self.limbs.iter().enumerate() {
-            if self.keys_of(i).next().is_none() {
-                let what = format!("limb `{}`", limb.label);
-                return Err(Error::invalid(what, "has no stroke", "draw it on a key frame or remove it"));
-            }
-        }
-        if self.keyframes.iter().all(|k| k.strokes.is_empty()) {
-            return Err(Error::invalid("strokes", "no key frame has a stroke", "draw each limb on one frame"));
+        if (self.size.0 == 0 || self.size.1 == 0) && !self.keyframes.is_empty() {
+            return Err(Error::invalid("strokes", "the size is empty", "give the clip's width and height"));
         }
         for pair in self.keyframes.windows(2) {
             if pair[0].frame >= pair[1].frame {
@@ -143,19 +165,7 @@ impl Rig {
                 ));
             }
         }
-        for key in &self.keyframes {
-            if let Some((_, frames)) = clip
-                && key.frame >= frames
-            {
-                return Err(Error::invalid(
-                    format!("key frame {}", key.frame),
-                    format!("is past the clip's last frame {}", frames.saturating_sub(1)),
-                    "frames count from 0",
-                ));
-            }
-            self.validate_key(key)?;
-        }
-        Ok(())
+        self.keyframes.iter().try_for_each(|key| self.validate_key(key))
     }
 
     fn validate_key(&self, key: &KeyFrame) -> Result<()> {
