@@ -18,6 +18,8 @@ struct Scene {
     frames: usize,
     /// How much of the creature's colour the meadow has: 0 none, 1 all.
     camouflage: f32,
+    /// By how many pixels a frame the camera follows the creature.
+    pan: u32,
 }
 
 impl Scene {
@@ -49,13 +51,14 @@ impl Scene {
         let truth = self.truth(frame);
         let (hide, meadow) = ([150.0, 90.0, 50.0], [70.0, 140.0, 60.0]);
         RgbImage::from_fn(SIZE.0, SIZE.1, |x, y| {
-            // Grain that stays with the place, differs for every pixel, and repeats nowhere.
+            let inside = truth.get(x as usize, y as usize);
+            // Grain that goes with what it lies on, differs for every pixel, and repeats nowhere.
+            let x = x + if inside { 4 * (self.frames - frame) as u32 + 500 } else { self.pan * frame as u32 };
             let grain = |seed: u32| {
                 let mut h = (x ^ seed.rotate_left(9)).wrapping_mul(0x9E37_79B1) ^ y.wrapping_mul(0x85EB_CA77);
                 h = (h ^ h >> 15).wrapping_mul(0x2C1B_3C6D);
                 ((h >> 20) & 31) as f32 - 15.5
             };
-            let inside = truth.get(x as usize, y as usize);
             Rgb(std::array::from_fn(|c| {
                 let ground = meadow[c] + self.camouflage * (hide[c] - meadow[c]);
                 (if inside { hide[c] } else { ground } + grain(c as u32)) as u8
@@ -106,7 +109,7 @@ fn segment(clip: &Clip, rig: &Rig, motion: &Motion) -> Vec<Mask> {
 
 #[test]
 fn a_walker_is_cut_out_even_where_the_tracker_lost_its_legs() {
-    let scene = Scene { frames: FRAMES, camouflage: 0.0 };
+    let scene = Scene { frames: FRAMES, camouflage: 0.0, pan: 0 };
     let followed = scene.score(&segment(&scene.clip(), &scene.rig(), &scene.motion(false)));
     assert!(followed > 0.95, "{followed}");
     let lost = scene.score(&segment(&scene.clip(), &scene.rig(), &scene.motion(true)));
@@ -115,7 +118,7 @@ fn a_walker_is_cut_out_even_where_the_tracker_lost_its_legs() {
 
 #[test]
 fn the_papers_method_finds_the_bulk_of_a_distinct_creature() {
-    let scene = Scene { frames: 3, camouflage: 0.0 };
+    let scene = Scene { frames: 3, camouflage: 0.0, pan: 0 };
     let params = SegmentParams { method: Method::Paper, ..SegmentParams::default() };
     let masks = CostVolumeSegmenter { params }
         .segment(&scene.clip(), &scene.rig(), &scene.motion(false), Progress::new().whole())
@@ -126,7 +129,7 @@ fn the_papers_method_finds_the_bulk_of_a_distinct_creature() {
 
 #[test]
 fn paint_is_kept_exactly_and_helps_its_neighbours() {
-    let scene = Scene { frames: FRAMES, camouflage: 0.97 };
+    let scene = Scene { frames: FRAMES, camouflage: 0.97, pan: 3 };
     let (clip, motion, mut rig) = (scene.clip(), scene.motion(false), scene.rig());
     let blind = scene.score(&segment(&clip, &rig, &motion));
 
@@ -153,7 +156,7 @@ fn paint_is_kept_exactly_and_helps_its_neighbours() {
 
 #[test]
 fn a_painted_mask_that_does_not_fit_is_an_error_that_names_it() {
-    let scene = Scene { frames: 2, camouflage: 0.0 };
+    let scene = Scene { frames: 2, camouflage: 0.0, pan: 0 };
     let folder = tempfile::tempdir().expect("a folder");
     for (name, write) in [("small.png", true), ("broken.png", false), ("missing.png", false)] {
         let file = folder.path().join(name);
@@ -173,7 +176,7 @@ fn a_painted_mask_that_does_not_fit_is_an_error_that_names_it() {
 
 #[test]
 fn a_transparent_clip_brings_its_own_masks() {
-    let scene = Scene { frames: 3, camouflage: 1.0 };
+    let scene = Scene { frames: 3, camouflage: 1.0, pan: 0 };
     let folder = tempfile::tempdir().expect("a folder");
     for frame in 0..scene.frames {
         let (picture, truth) = (scene.picture(frame), scene.truth(frame));
@@ -190,7 +193,7 @@ fn a_transparent_clip_brings_its_own_masks() {
 
 #[test]
 fn threads_do_not_change_a_bit() {
-    let scene = Scene { frames: 5, camouflage: 0.5 };
+    let scene = Scene { frames: 5, camouflage: 0.5, pan: 0 };
     let run = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
         pool.install(|| segment(&scene.clip(), &scene.rig(), &scene.motion(true)))
@@ -200,7 +203,7 @@ fn threads_do_not_change_a_bit() {
 
 #[test]
 fn cancelled_work_stops() {
-    let scene = Scene { frames: 3, camouflage: 0.0 };
+    let scene = Scene { frames: 3, camouflage: 0.0, pan: 0 };
     let progress = Progress::new();
     progress.cancel();
     for method in [Method::Layered, Method::Paper] {
@@ -214,10 +217,10 @@ fn cancelled_work_stops() {
 #[test]
 fn poor_input_gives_masks_not_panics() {
     // One frame.
-    let single = Scene { frames: 1, camouflage: 0.0 };
+    let single = Scene { frames: 1, camouflage: 0.0, pan: 0 };
     assert!(single.score(&segment(&single.clip(), &single.rig(), &single.motion(false))) > 0.9);
     // A leg that is never in the picture, and one that the tracker has no place for.
-    let scene = Scene { frames: 3, camouflage: 0.0 };
+    let scene = Scene { frames: 3, camouflage: 0.0, pan: 0 };
     let mut motion = scene.motion(false);
     for frame in &mut motion.tracks[1].frames {
         frame.points.iter_mut().for_each(|p| *p += vec2(-400.0, 0.0));

@@ -3,12 +3,12 @@
 //! A clip with opacity is taken at its word: one that is mostly transparent is a cut-out, and what is opaque by half
 //! is the mask; in any other, nothing transparent is creature. What the user painted overrides everything.
 
-use super::layered::{Layers, SPACING};
 use super::painted::Painted;
 use super::params::{Method, SegmentParams};
 use super::refine::refine;
-use super::working::{Limbs, Working, for_batches};
-use super::{Segmenter, paper};
+use super::scene::Scene;
+use super::working::{Limbs, SPACING, Working, for_batches};
+use super::{Segmenter, layered, paper};
 use crate::clip::{Clip, Picture};
 use crate::error::Result;
 use crate::job::Stage;
@@ -37,8 +37,8 @@ impl Segmenter for CostVolumeSegmenter {
         let small = match self.params.method {
             Method::Layered => {
                 let limbs = Limbs::new(rig, motion, working.scale, info.frames, SPACING);
-                let layers = Layers::new(&working, &limbs, &self.params, &painted, stage.part(0.15, 0.2))?;
-                layers.masks(stage.part(0.2, 0.85))?
+                let scene = Scene::new(&working, &limbs, &self.params, &painted, stage.part(0.15, 0.2))?;
+                layered::masks(&scene, stage.part(0.2, 0.85))?
             }
             Method::Paper => {
                 let limbs = Limbs::new(rig, motion, working.scale, info.frames, 1.0);

@@ -6,6 +6,7 @@
 
 use std::ops::Range;
 
+use super::backdrop::Backdrop;
 use super::colour_model::{Counts, Density};
 use super::painted::Known;
 use super::stroke_field::{NOWHERE, Place};
@@ -203,6 +204,7 @@ pub(super) fn colour_evidence(
     limbs: &Limbs,
     colours: &Colours,
     tiles: &Tiles,
+    backdrop: Option<&Backdrop>,
 ) -> Evidence {
     let (width, height) = (image.width(), image.height());
     let mut values = vec![(-LIMIT * STEPS) as i8; width * height];
@@ -218,7 +220,9 @@ pub(super) fn colour_evidence(
             let (near, trust) = tiles.of(x, y, colour);
             let mut background = colours.background.of(colour);
             background += LOCAL_SHARE * trust * (near - background);
-            let evidence = ((creature + FLOOR) / (background + FLOOR)).ln().clamp(-LIMIT, LIMIT);
+            let colour_says = ((creature + FLOOR) / (background + FLOOR)).ln().clamp(-LIMIT, LIMIT);
+            let backdrop_says = backdrop.map_or(0.0, |b| b.evidence(x, y, colour));
+            let evidence = (colour_says + backdrop_says).clamp(-LIMIT, LIMIT);
             values[y * width + x] = (evidence * STEPS).round() as i8;
         }
     }

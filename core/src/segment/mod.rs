@@ -1,17 +1,24 @@
 //! Segmenters: from tracked strokes to the creature's mask in every frame, and from a mask to its limbs.
 
+mod backdrop;
+mod carried;
 mod colour_model;
+mod contrast;
 mod cost_volume;
+mod cut;
 mod evidence;
 mod grid_cut;
 mod layered;
-mod limb_shape;
+mod limb_radius;
 mod limbs;
 mod painted;
 mod paper;
 mod params;
 mod refine;
+mod scene;
 mod stroke_field;
+mod teaching;
+mod track_trust;
 mod working;
 
 pub use cost_volume::CostVolumeSegmenter;

@@ -9,8 +9,8 @@
 use rayon::prelude::*;
 
 use super::colour_model::Counts;
-use super::layered::each_frame;
 use super::params::PaperParams;
+use super::scene::each_frame;
 use super::working::{Limbs, Working, bounds};
 use crate::error::Result;
 use crate::job::Stage;

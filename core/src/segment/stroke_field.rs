@@ -38,6 +38,37 @@ impl Place {
     }
 }
 
+/// Bounds what is kept for a frame, for rigs of very many limbs.
+const MAX_CELLS: usize = 1 << 19;
+
+/// Cells of limb coordinates: sample, side, distance in whole working pixels.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Cells {
+    samples: usize,
+    /// Distances kept.
+    pub(super) reach: usize,
+}
+
+impl Cells {
+    pub(super) fn new(samples: usize, reach: f32) -> Self {
+        let bound = MAX_CELLS / (2 * samples.max(1));
+        Self { samples, reach: (reach.ceil() as usize).min(bound).clamp(4, 400) }
+    }
+
+    /// How many there are.
+    pub(super) fn count(&self) -> usize {
+        self.samples * 2 * self.reach
+    }
+
+    /// The cell of a pixel, `None` beyond the reach.
+    #[inline]
+    pub(super) fn of(&self, place: Place) -> Option<usize> {
+        let distance = place.distance() as usize;
+        let inside = place.sample != NOWHERE && distance < self.reach;
+        inside.then(|| (usize::from(place.sample) * 2 + place.side()) * self.reach + distance)
+    }
+}
+
 /// The limb coordinates of every pixel of a frame.
 pub(super) fn stroke_field(limbs: &Limbs, frame: usize, width: usize, height: usize) -> Grid<Place> {
     let border = (width.max(height) as f32 * BORDER).ceil() as usize;
@@ -104,6 +135,7 @@ mod tests {
         let limbs = Limbs {
             limb: vec![0, 0, 0],
             first: vec![0, 3],
+            length: vec![20.0],
             trusted: vec![true; 3],
             twin: vec![None],
             places: vec![vec![vec2(10.5, 20.5), vec2(20.5, 20.5), vec2(30.5, 20.5)], vec![Vec2::NAN; 3]],

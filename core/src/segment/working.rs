@@ -112,6 +112,8 @@ pub(super) struct Limbs {
     pub(super) limb: Vec<u16>,
     /// Where each limb's samples begin, and their total at the end.
     pub(super) first: Vec<usize>,
+    /// About how long each limb is, in working pixels.
+    pub(super) length: Vec<f32>,
     /// Whether a sample may be taken for creature without doubt: not near the free end of a terminal limb.
     pub(super) trusted: Vec<bool>,
     /// The limb on the body's other side, where the rig has one.
@@ -124,6 +126,8 @@ pub(super) struct Limbs {
     pub(super) drawn: Vec<Vec<bool>>,
 }
 
+/// Distance between samples along limbs, in working pixels.
+pub(super) const SPACING: f32 = 3.0;
 /// Most samples of one limb, and of all limbs together.
 const MAX_SAMPLES: usize = 400;
 const MAX_ALL_SAMPLES: usize = 1 << 15;
@@ -133,7 +137,7 @@ impl Limbs {
     /// the motion lacks have no sample that is visible.
     pub(super) fn new(rig: &Rig, motion: &Motion, scale: Vec2, frames: usize, spacing: f32) -> Self {
         let skeleton = Skeleton::new(rig, rig.size.0.max(rig.size.1).max(1) as f32 / 50.0);
-        let (mut limb, mut first, mut trusted) = (Vec::new(), vec![0], Vec::new());
+        let (mut limb, mut first, mut lengths, mut trusted) = (Vec::new(), vec![0], Vec::new(), Vec::new());
         let most = (MAX_ALL_SAMPLES / rig.limbs.len().max(1)).clamp(3, MAX_SAMPLES);
         for l in 0..rig.limbs.len() {
             let length = rig.length_hint(l) * 0.5 * (scale.x + scale.y);
@@ -147,6 +151,7 @@ impl Limbs {
                 limb.push(l as u16);
             }
             first.push(limb.len());
+            lengths.push(length);
         }
         let mut places = Vec::with_capacity(frames);
         let mut visible = Vec::with_capacity(frames);
@@ -173,7 +178,7 @@ impl Limbs {
         }
         let twin = (0..rig.limbs.len()).map(|l| rig.twin(l)).collect();
         let drawn = (0..frames).map(|f| (0..rig.limbs.len()).map(|l| rig.stroke(l, f).is_some()).collect()).collect();
-        Self { limb, first, trusted, twin, places, visible, drawn }
+        Self { limb, first, length: lengths, trusted, twin, places, visible, drawn }
     }
 
     /// How many samples there are.
