@@ -1,112 +1,107 @@
-//! `cargo xtask c-host`: what a C author does. The header goes through every compiler here, every standard it
-//! promises and every warning; hosts/c is built with plain `cc` against target/marey, shared and static, and run.
+//! `cargo xtask c-host`: what authors of C and C++ hosts do, from the headers to running programs.
+//!
+//! The library is installed into an empty prefix, which is then all that the programs know: hosts/c and hosts/cpp
+//! against the shared and the static library, and the article's first host by make and by CMake.
 
-use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
-use std::process::Command;
 
 use anyhow::{Context as _, Result, ensure};
 
-use crate::header;
+use crate::compile_matrix::{self, WARNINGS};
 use crate::library::{self, Profile};
-use crate::shell::{has, program, read, root, say, target};
-
-const WARNINGS: [&str; 6] = ["-Wall", "-Wextra", "-pedantic", "-Wconversion", "-Wshadow", "-Werror"];
-const C: [&str; 3] = ["c11", "c17", "c2x"];
-const CPP: [&str; 3] = ["c++11", "c++17", "c++20"];
+use crate::sample::{self, Sample};
+use crate::shell::{program, read, root, say, target};
+use crate::{abi, first_host, reference, watched};
 
 pub(crate) fn run(args: &[String]) -> Result<()> {
     let profile = Profile::of(args)?;
-    compile_matrix()?;
-    programs(&library::build(profile)?)
+    compile_matrix::run()?;
+    abi::check()?;
+    let prefix = fresh("prefix")?;
+    library::build(profile, &prefix)?;
+    let sample = sample::write(&fresh("sample")?)?;
+    programs(&prefix, &sample)?;
+    first_host::run(&prefix, &sample)?;
+    abi::old_host(&prefix, &sample)?;
+    watched::run(&prefix, &sample)?;
+    reference::run()
 }
 
-/// The header in C and C++, in every standard, with every warning an error: twice in a file, in two files of one
-/// program, with every INIT macro used.
-fn compile_matrix() -> Result<()> {
-    let scratch = target().join("marey/header-check");
-    std::fs::create_dir_all(&scratch)?;
-    let text = std::fs::read_to_string(header::path())?;
-    let mut unit = String::from("#include <marey/marey.h>\n#include <marey/marey.h>\n");
-    for name in header::structs(&text).iter().map(|s| &s.name) {
-        let init = format!("{}_INIT", name.to_uppercase());
-        if text.contains(&format!("#define {init} ")) {
-            writeln!(unit, "extern {name} of_{name}; {name} of_{name} = {init};")?;
-        }
+/// An empty folder below target/c.
+pub(crate) fn fresh(name: &str) -> Result<PathBuf> {
+    let folder = target().join("c").join(name);
+    if folder.exists() {
+        std::fs::remove_dir_all(&folder)?;
     }
-    writeln!(unit, "mry_str name(void);\nmry_str name(void) {{ return MRY_STR(\"a\"); }}")?;
-    writeln!(
-        unit,
-        "int same(void);\nint same(void) {{ return MRY_VERSION > 0 && mry_abi_check(MRY_ABI_VERSION) == MRY_OK; }}"
-    )?;
-    let other = "#include <marey/marey.h>\nint other(void);\nint other(void) { return MRY_E_NULL < 0 ? 0 : 1; }\n";
-
-    let compilers = [("gcc", "g++"), ("clang", "clang++")];
-    let found: Vec<_> = compilers.iter().filter(|(c, cpp)| has(c) && has(cpp)).collect();
-    ensure!(!found.is_empty(), "neither gcc nor clang is here; install one");
-    for (c, cpp) in found {
-        let runs = C.map(|std| (*c, std, "c")).into_iter().chain(CPP.map(|std| (*cpp, std, "cpp")));
-        for (compiler, std, extension) in runs {
-            for (name, text) in [("unit", unit.as_str()), ("other", other)] {
-                let file = scratch.join(format!("{name}.{extension}"));
-                std::fs::write(&file, text)?;
-                let mut command = program(compiler);
-                command.arg(format!("-std={std}")).args(WARNINGS).arg("-I").arg(root().join("include"));
-                if extension == "c" {
-                    command.arg("-Wstrict-prototypes");
-                }
-                read(command.arg("-c").arg(&file).arg("-o").arg(scratch.join(format!("{name}.o"))))?;
-            }
-            // Nothing that the header brings may clash between the files of a program.
-            let objects = ["unit.o", "other.o"].map(|o| scratch.join(o));
-            read(program(compiler).arg("-r").arg("-nostdlib").args(objects).arg("-o").arg(scratch.join("both.o")))?;
-        }
-        say(&format!("marey.h compiles clean with {c} in {} and {cpp} in {}", C.join(", "), CPP.join(", ")));
-    }
-    Ok(())
+    std::fs::create_dir_all(&folder)?;
+    Ok(folder)
 }
 
-/// Builds hosts/c/creature.c against the shared and against the static library, and runs both on the bundled clip.
-fn programs(marey: &Path) -> Result<()> {
-    let scratch = marey.join("c-host");
-    if scratch.exists() {
-        std::fs::remove_dir_all(&scratch)?;
+/// Compiles and links a program in C or C++ against an installed library.
+pub(crate) struct Build<'a> {
+    pub(crate) source: &'a Path,
+    pub(crate) include: &'a Path,
+    pub(crate) prefix: &'a Path,
+    pub(crate) fixed: bool,
+    pub(crate) flags: &'a [&'a str],
+}
+
+impl Build<'_> {
+    /// Builds it as `to`.
+    pub(crate) fn run(&self, to: &Path) -> Result<()> {
+        let c = self.source.extension().is_some_and(|e| e == "c");
+        let mut compiler = program(if c { "cc" } else { "c++" });
+        compiler.args([if c { "-std=c11" } else { "-std=c++17" }, "-O1", "-g"]).args(WARNINGS).args(self.flags);
+        compiler.arg(self.source).arg("-I").arg(self.include).arg("-o").arg(to);
+        let lib = self.prefix.join("lib");
+        if self.fixed {
+            let pc = std::fs::read_to_string(lib.join("pkgconfig/marey.pc"))?;
+            let private =
+                pc.lines().find_map(|l| l.strip_prefix("Libs.private:")).context("marey.pc: no Libs.private")?;
+            compiler.arg(lib.join("libmarey.a")).args(private.split_whitespace());
+        } else {
+            compiler.arg("-L").arg(&lib).arg("-lmarey").arg(format!("-Wl,-rpath,{}", lib.display())).arg("-lm");
+        }
+        read(&mut compiler).map(drop)
     }
-    std::fs::create_dir_all(&scratch)?;
-    let source = root().join("hosts/c/creature.c");
-    let compile = |name: &str| -> (PathBuf, Command) {
-        let (path, mut cc) = (scratch.join(name), program("cc"));
-        cc.arg("-std=c11").arg("-O1").args(WARNINGS).arg("-Wstrict-prototypes").arg(&source);
-        cc.arg("-I").arg(marey.join("include")).arg("-o").arg(&path);
-        (path, cc)
-    };
+}
 
-    let (shared, mut cc) = compile("creature-shared");
-    read(cc.arg("-L").arg(marey.join("lib")).arg("-lmarey").arg("-Wl,-rpath,$ORIGIN/../lib"))?;
-    let (fixed, mut cc) = compile("creature-static");
-    let pc = std::fs::read_to_string(marey.join("lib/pkgconfig/marey.pc"))?;
-    let private = pc.lines().find_map(|l| l.strip_prefix("Libs.private:")).context("marey.pc: no Libs.private")?;
-    read(cc.arg(marey.join("lib/libmarey.a")).args(private.split_whitespace()))?;
-
-    let clip = root().join("data/camel/clip.mp4");
+/// Builds hosts/c/creature.c and hosts/cpp/gait.cpp against the shared and the static library, and runs them.
+fn programs(prefix: &Path, sample: &Sample) -> Result<()> {
+    let folder = fresh("hosts")?;
+    let include = prefix.join("include");
+    let (c, cpp) = (root().join("hosts/c/creature.c"), root().join("hosts/cpp/gait.cpp"));
     let mut written = Vec::new();
-    for host in [&shared, &fixed] {
-        let out = host.with_extension("glb");
-        let said = read(program(&host.to_string_lossy()).arg(&clip).arg(&out))?;
-        ensure!(said.contains("cancelled"), "{}: did not show a cancel:\n{said}", host.display());
-        let glb = std::fs::read(&out).with_context(|| out.display().to_string())?;
-        ensure!(glb.starts_with(b"glTF"), "{}: not a glTF binary", out.display());
-        say(&format!("{}: {} bytes of glTF", host.display(), glb.len()));
-        written.push(glb);
+    for (kind, fixed) in [("shared", false), ("static", true)] {
+        let build = |source: &Path, name: String| {
+            let to = folder.join(name);
+            Build { source, include: &include, prefix, fixed, flags: &[] }.run(&to).map(|()| to)
+        };
+        let (creature, gait) = (build(&c, format!("creature-{kind}"))?, build(&cpp, format!("gait-{kind}"))?);
+        let glb = folder.join(format!("{kind}.glb"));
+        let said = read(host(&creature).arg(&sample.clip).arg(&glb).arg(&sample.strokes))?;
+        ensure!(said.contains("cancelled"), "{}: did not show a cancel:\n{said}", creature.display());
+        let table = folder.join(format!("{kind}.csv"));
+        let said = read(host(&gait).args([&sample.clip, &sample.strokes, &table]))?;
+        ensure!(said.contains("3 limbs in 8 frames"), "{}:\n{said}", gait.display());
+        written.push((is_glb(&glb)?, std::fs::read(&table)?));
     }
-    ensure!(written[0] == written[1], "the shared and the static library give different creatures");
+    ensure!(written[0] == written[1], "the shared and the static library give different results");
+    // A real clip, drawn call by call.
+    let glb = folder.join("camel.glb");
+    read(host(&folder.join("creature-shared")).arg(root().join("data/camel/clip.mp4")).arg(&glb))?;
+    say(&format!("hosts/c and hosts/cpp run, shared and static; the camel is {} bytes of glTF", is_glb(&glb)?.len()));
     Ok(())
 }
 
-#[cfg(test)]
-mod tests {
-    #[test]
-    fn the_header_compiles_clean_everywhere() {
-        super::compile_matrix().expect("clean");
-    }
+/// A built program, to be run.
+pub(crate) fn host(path: &Path) -> std::process::Command {
+    program(&path.to_string_lossy())
+}
+
+/// The bytes of a file that must be a glTF binary.
+pub(crate) fn is_glb(path: &Path) -> Result<Vec<u8>> {
+    let glb = std::fs::read(path).with_context(|| path.display().to_string())?;
+    ensure!(glb.starts_with(b"glTF"), "{}: not a glTF binary", path.display());
+    Ok(glb)
 }

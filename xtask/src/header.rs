@@ -232,7 +232,7 @@ fn macros(structs: &[Struct]) -> Result<String> {
     if !structs.is_empty() {
         text += "\n/* Every struct that starts with struct_size, set up: all else is zero, which is the default. */\n";
     }
-    for s in structs.iter().filter(|s| s.fields.first().is_some_and(|f| f.name == "struct_size")) {
+    for s in structs.iter().filter(|s| s.is_sized()) {
         let values = s.fields.iter().map(|field| match field.name.as_str() {
             "struct_size" => Ok(format!("(uint32_t)sizeof({})", s.name)),
             "abi_version" => Ok("MRY_ABI_VERSION".to_owned()),
@@ -254,6 +254,17 @@ struct Field {
     name: String,
     kind: String,
     array: bool,
+}
+
+impl Struct {
+    /// Whether it starts with struct_size, so that it may grow at its end.
+    pub(crate) fn is_sized(&self) -> bool {
+        self.fields.first().is_some_and(|f| f.name == "struct_size")
+    }
+
+    pub(crate) fn field_count(&self) -> usize {
+        self.fields.len()
+    }
 }
 
 /// The structs of a header.
@@ -282,7 +293,17 @@ pub(crate) fn structs(header: &str) -> Vec<Struct> {
     structs
 }
 
-fn without_comments(text: &str) -> String {
+/// The functions of a header: `mry_status mry_clip_close(mry_context *context, mry_clip clip)`.
+pub(crate) fn prototypes(header: &str) -> Vec<String> {
+    let code = without_comments(header);
+    let starts = code.match_indices("\nMRY_API").map(|(at, mark)| &code[at + mark.len()..]);
+    starts
+        .filter_map(|rest| rest.split_once(';'))
+        .map(|(prototype, _)| prototype.split_whitespace().collect::<Vec<_>>().join(" "))
+        .collect()
+}
+
+pub(crate) fn without_comments(text: &str) -> String {
     text.split("/*").map(|piece| piece.split_once("*/").map_or(piece, |(_, code)| code)).collect()
 }
 
@@ -349,13 +370,11 @@ mod tests {
 
     #[test]
     fn the_header_declares_what_the_library_exports() {
-        let header = without_comments(&std::fs::read_to_string(path()).expect("the header"));
-        let mut declared: Vec<&str> = header
-            .split("MRY_API\n")
-            .flat_map(|p| p.split("MRY_API "))
-            .filter_map(|p| p.split('(').next()?.split([' ', '*', '\n']).next_back())
-            .filter(|name| name.starts_with("mry_"))
-            .collect();
+        let header = std::fs::read_to_string(path()).expect("the header");
+        let prototypes = prototypes(&header);
+        let name =
+            |p: &'_ String| p.split('(').next().and_then(|head| head.split([' ', '*']).next_back()).map(str::to_owned);
+        let mut declared: Vec<String> = prototypes.iter().filter_map(name).collect();
         declared.sort_unstable();
         let listed = std::fs::read_to_string(root().join("ffi/abi/symbols.txt")).expect("the list");
         assert_eq!(declared, listed.lines().collect::<Vec<_>>());

@@ -1,15 +1,21 @@
 //! The project's chores. `cargo xtask` lists them.
 
+mod abi;
 mod c_host;
 mod cancels;
 mod check;
+mod compile_matrix;
+mod first_host;
 mod header;
 mod library;
 mod measure;
+mod reference;
+mod sample;
 mod shell;
 mod system;
 mod test;
 mod validator;
+mod watched;
 
 use anyhow::{Result, bail};
 
@@ -20,7 +26,12 @@ cargo xtask COMMAND
   check              format, lints, documentation, dependency licences and sources
   header [--check]   include/marey/marey.h from ffi/src
   library [--dev]    target/marey: the C library as it is installed
-  c-host [--dev]     the header's compile matrix, and the C program of hosts/c built and run
+  install --prefix DIR [--dev]
+                     the C library into DIR: lib, headers, pkg-config, CMake
+  c-host [--dev]     what C and C++ hosts rely on: compile matrix, ABI, installed consumers, sanitizers, valgrind, docs
+  docs               the C reference and articles in target/docs/html
+  soak [CALLS [SEED]]
+                     random calls on the C library under sanitizers, a million by default (release build)
   cancels            how soon jobs end when cancelled, at a hundred moments (release build, quiet machine)
   measure DATA ...   the table of scores on a data folder (release build)
   validate GLB ...   the Khronos glTF validator on files
@@ -38,6 +49,9 @@ fn main() -> Result<()> {
         "measure" => measure::run(rest),
         "header" => header::run(rest),
         "library" => library::run(rest),
+        "install" => library::install(rest),
+        "docs" => reference::run(),
+        "soak" => watched::long(rest),
         "c-host" => c_host::run(rest),
         "cancels" => cancels::run(),
         "validate" => validator::run(rest),

@@ -11,10 +11,16 @@ struct Needed {
     why: &'static str,
 }
 
-const NEEDED: [Needed; 5] = [
+const NEEDED: [Needed; 11] = [
     Needed { program: "cc", package: "gcc", why: "builds the C host" },
     Needed { program: "c++", package: "g++", why: "builds the H.264 decoder and C++ checks of the header" },
     Needed { program: "clang", package: "clang", why: "is the second compiler of the header's compile matrix" },
+    Needed { program: "make", package: "make", why: "builds the article's host" },
+    Needed { program: "cmake", package: "cmake", why: "builds the article's host" },
+    Needed { program: "pkg-config", package: "pkg-config", why: "finds the installed library" },
+    Needed { program: "valgrind", package: "valgrind", why: "watches the C programs run" },
+    Needed { program: "abidiff", package: "abigail-tools", why: "compares the ABI with that of earlier releases" },
+    Needed { program: "doxygen", package: "doxygen", why: "makes the C reference" },
     Needed { program: "nm", package: "binutils", why: "lists exported symbols" },
     Needed { program: "npm", package: "npm", why: "fetches the Khronos glTF validator, which runs on node" },
 ];

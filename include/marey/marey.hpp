@@ -1,0 +1,737 @@
+/*
+ * marey.hpp: marey.h for C++17. Header-only: it adds no symbols, and the library's ABI stays that of marey.h.
+ *
+ *   marey::context context;
+ *   marey::clip clip = context.open("horse.mp4");
+ *   marey::rig rig = context.read_rig("strokes.json");
+ *   context.run_creature(clip, rig).write_glb("horse.glb");
+ *
+ * Handles own their object, move and do not copy; they keep their context alive, so the order of their ends does not
+ * matter. A moved-from handle holds no object: only destroying it and assigning to it are of use. Strings are UTF-8.
+ * Calls may be made from any thread, as marey.h says.
+ *
+ * A failure is thrown as marey::error. With MAREY_NO_EXCEPTIONS defined, or exceptions switched off, nothing is thrown:
+ * every call gives a marey::expected instead of its value, which is that value or the error.
+ *
+ * SPDX-License-Identifier: MIT OR Apache-2.0
+ */
+#ifndef MAREY_MAREY_HPP
+#define MAREY_MAREY_HPP
+
+#include <cstddef>
+#include <cstdint>
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include <marey/marey.h>
+
+#if !defined(MAREY_NO_EXCEPTIONS) && !defined(__cpp_exceptions)
+#define MAREY_NO_EXCEPTIONS
+#endif
+
+namespace marey {
+
+/** Why a call failed. */
+class error : public std::runtime_error {
+public:
+  /** From the detail that a call has filled, with the status that it returned. */
+  error(mry_status status, const mry_error &detail)
+    : std::runtime_error(detail.message[0] != '\0' ? detail.message : mry_status_text(status)), status_(status),
+      param_(detail.param) {}
+
+  /** MRY_E_INPUT, ...; or MRY_CANCELLED of a job that was waited for. Accept ones you do not know. */
+  mry_status status() const noexcept { return status_; }
+  /** The parameter at fault, as marey.h names it; empty where no single one is. */
+  const std::string &param() const noexcept { return param_; }
+
+private:
+  mry_status status_;
+  std::string param_;
+};
+
+/** A value, or the error that stands in its way. */
+template <class T> class [[nodiscard]] expected {
+public:
+  using value_type = std::conditional_t<std::is_void_v<T>, std::monostate, T>;
+
+  expected(value_type value) : held_(std::in_place_index<0>, std::move(value)) {}
+  expected(marey::error error) : held_(std::in_place_index<1>, std::move(error)) {}
+
+  /** Whether there is a value. */
+  explicit operator bool() const noexcept { return held_.index() == 0; }
+  /** The value; only where there is one. */
+  value_type &operator*() noexcept { return *std::get_if<0>(&held_); }
+  const value_type &operator*() const noexcept { return *std::get_if<0>(&held_); }
+  value_type *operator->() noexcept { return std::get_if<0>(&held_); }
+  /** The error; only where there is no value. */
+  const marey::error &error() const noexcept { return *std::get_if<1>(&held_); }
+
+private:
+  std::variant<value_type, marey::error> held_;
+};
+
+/** What a call that may fail gives. */
+#ifdef MAREY_NO_EXCEPTIONS
+template <class T> using result = expected<T>;
+#else
+template <class T> using result = T;
+#endif
+
+/** The library's version, such as "0.1.0". */
+inline std::string_view version() { return mry_version_string(); }
+
+/** @cond */
+namespace detail {
+
+/** Calls, and makes the answer of what the call has filled. */
+template <class Call, class Make> auto perform(Call call, Make make) -> result<decltype(make())> {
+  mry_error detail = MRY_ERROR_INIT;
+  const mry_status status = call(&detail);
+  if (status == MRY_OK) {
+#ifdef MAREY_NO_EXCEPTIONS
+    if constexpr (std::is_void_v<decltype(make())>) {
+      make();
+      return std::monostate{};
+    } else {
+      return make();
+    }
+#else
+    return make();
+#endif
+  }
+#ifdef MAREY_NO_EXCEPTIONS
+  return error(status, detail);
+#else
+  throw error(status, detail);
+#endif
+}
+
+template <class Call> result<void> perform(Call call) {
+  return perform(call, [] {});
+}
+
+inline mry_str str(std::string_view text) noexcept { return mry_str{ text.data(), text.size() }; }
+
+/** A list that says how long it is when there is too little room. */
+template <class T, class Read> result<std::vector<T>> list(Read read) {
+  std::vector<T> values(64);
+  std::size_t count = 0;
+  const auto fill = [&](mry_error *err) {
+    mry_status status = read(values.data(), values.size(), &count, err);
+    if (status == MRY_E_BUFFER_TOO_SMALL) {
+      values.resize(count);
+      status = read(values.data(), values.size(), &count, err);
+    }
+    return status;
+  };
+  return perform(fill, [&] {
+    values.resize(count);
+    return std::move(values);
+  });
+}
+
+template <class Read> result<std::string> text(Read read) {
+  std::string characters(255, '\0');
+  std::size_t size = 0;
+  const auto fill = [&](mry_error *err) {
+    mry_status status = read(characters.data(), characters.size() + 1, &size, err);
+    if (status == MRY_E_BUFFER_TOO_SMALL) {
+      characters.resize(size - 1);
+      status = read(characters.data(), size, &size, err);
+    }
+    return status;
+  };
+  return perform(fill, [&] {
+    characters.resize(size - 1);
+    return std::move(characters);
+  });
+}
+
+/** A context and what must live as long. */
+struct state {
+  state() = default;
+  state(const state &) = delete;
+  state &operator=(const state &) = delete;
+  ~state() { mry_context_destroy(context); }
+
+  mry_context *context = nullptr;
+  std::function<void(std::int32_t, std::string_view)> log;
+
+  static void take_line(std::int32_t level, mry_str message, void *user) noexcept {
+    static_cast<state *>(user)->log(level, std::string_view(message.data, message.len));
+  }
+};
+
+/** Owns an object of a context. */
+template <class Id, mry_status (*Destroy)(mry_context *, Id)> class handle {
+public:
+  handle() = default;
+  handle(std::shared_ptr<state> context, Id id) noexcept : context_(std::move(context)), id_(id) {}
+  handle(const handle &) = delete;
+  handle &operator=(const handle &) = delete;
+  handle(handle &&other) noexcept : context_(std::move(other.context_)), id_(std::exchange(other.id_, Id{})) {}
+  handle &operator=(handle &&other) noexcept {
+    handle old(std::move(*this));
+    context_ = std::move(other.context_);
+    id_ = std::exchange(other.id_, Id{});
+    return *this;
+  }
+  ~handle() {
+    if (context_) {
+      Destroy(context_->context, id_);
+    }
+  }
+
+  /** Whether it holds an object. */
+  explicit operator bool() const noexcept { return id_.v != 0; }
+  /** The id, for calls of marey.h. It stays the handle's. */
+  Id id() const noexcept { return id_; }
+
+protected:
+  mry_context *c() const noexcept { return context_ ? context_->context : nullptr; }
+
+  /** Another object of the context. */
+  template <class Handle, class OtherId, class Call> result<Handle> other(Call call) const {
+    OtherId id{};
+    return perform([&](mry_error *err) { return call(&id, err); }, [&] { return Handle(context_, id); });
+  }
+
+  std::shared_ptr<state> context_;
+  Id id_{};
+};
+
+} // namespace detail
+/** @endcond */
+
+/** A picture in the library's memory, shown without a copy until the end of this handle. */
+class image_map : public detail::handle<mry_map, mry_unmap> {
+public:
+  image_map(std::shared_ptr<detail::state> context, const mry_image_view &view) noexcept
+    : handle(std::move(context), view.map), view_(view) {}
+  /** The picture; `data` is valid while this handle is. */
+  const mry_image_view &view() const noexcept { return view_; }
+
+private:
+  mry_image_view view_;
+};
+
+/** A surface in the library's memory, shown without a copy until the end of this handle. */
+class mesh_map : public detail::handle<mry_map, mry_unmap> {
+public:
+  mesh_map(std::shared_ptr<detail::state> context, const mry_mesh_view &view) noexcept
+    : handle(std::move(context), view.map), view_(view) {}
+  /** The surface; its lists are valid while this handle is. */
+  const mry_mesh_view &view() const noexcept { return view_; }
+
+private:
+  mry_mesh_view view_;
+};
+
+/** A video, read-only. */
+class clip : public detail::handle<mry_clip, mry_clip_close> {
+public:
+  using handle::handle;
+
+  /** Size, frames, rate. */
+  result<mry_clip_info> info() const {
+    mry_clip_info info = MRY_CLIP_INFO_INIT;
+    return detail::perform([&](mry_error *err) { return mry_clip_get_info(c(), id_, &info, err); },
+                           [&] { return info; });
+  }
+  /** When a frame is shown, in seconds from the first. */
+  result<double> time(std::uint64_t frame) const {
+    double seconds = 0.0;
+    return detail::perform([&](mry_error *err) { return mry_clip_get_time(c(), id_, frame, &seconds, err); },
+                           [&] { return seconds; });
+  }
+  /** One thing that a person should know about the clip; `index` is below warning_count. */
+  result<std::string> warning(std::uint32_t index) const {
+    return detail::text([&](char *text, std::size_t capacity, std::size_t *size, mry_error *err) {
+      return mry_clip_get_warning(c(), id_, index, text, capacity, size, err);
+    });
+  }
+  /** A decoded frame, without a copy. */
+  result<image_map> map_frame(std::uint64_t frame) const {
+    mry_image_view view = MRY_IMAGE_VIEW_INIT;
+    return detail::perform([&](mry_error *err) { return mry_clip_map_frame(c(), id_, frame, &view, err); },
+                           [&] { return image_map(context_, view); });
+  }
+};
+
+/** What a person draws on a clip. */
+class rig : public detail::handle<mry_rig, mry_rig_destroy> {
+public:
+  using handle::handle;
+
+  /** Adds a limb; gives its index. */
+  result<std::uint32_t> add_limb(std::string_view label, std::int32_t side = MRY_SIDE_UNKNOWN) {
+    std::uint32_t limb = 0;
+    return detail::perform(
+      [&](mry_error *err) { return mry_rig_add_limb(c(), id_, detail::str(label), side, &limb, err); },
+      [&] { return limb; });
+  }
+  /** How many limbs there are. */
+  result<std::uint32_t> limb_count() const {
+    std::uint32_t count = 0;
+    return detail::perform([&](mry_error *err) { return mry_rig_get_limb_count(c(), id_, &count, err); },
+                           [&] { return count; });
+  }
+  /** A limb's label. */
+  result<std::string> label(std::uint32_t limb) const {
+    return detail::text([&](char *text, std::size_t capacity, std::size_t *size, mry_error *err) {
+      return mry_rig_get_limb(c(), id_, limb, text, capacity, size, nullptr, err);
+    });
+  }
+  /** Draws a limb on a frame, instead of what was drawn of it there before. */
+  result<void> set_stroke(std::uint32_t limb, std::uint64_t frame, const std::vector<mry_point> &points,
+                          std::int32_t facing = MRY_FACING_UNKNOWN) {
+    return detail::perform([&](mry_error *err) {
+      return mry_rig_set_stroke(c(), id_, limb, frame, points.data(), points.size(), facing, err);
+    });
+  }
+  /** A limb's stroke on a key frame. */
+  result<std::vector<mry_point>> stroke(std::uint32_t limb, std::uint64_t frame) const {
+    return detail::list<mry_point>([&](mry_point *points, std::size_t capacity, std::size_t *count, mry_error *err) {
+      return mry_rig_get_stroke(c(), id_, limb, frame, points, capacity, count, nullptr, err);
+    });
+  }
+  /** Takes a limb's stroke off a frame. */
+  result<void> remove_stroke(std::uint32_t limb, std::uint64_t frame) {
+    return detail::perform([&](mry_error *err) { return mry_rig_remove_stroke(c(), id_, limb, frame, err); });
+  }
+  /** The key frames, rising. */
+  result<std::vector<std::uint64_t>> keyframes() const {
+    return detail::list<std::uint64_t>(
+      [&](std::uint64_t *frames, std::size_t capacity, std::size_t *count, mry_error *err) {
+        return mry_rig_get_keyframes(c(), id_, frames, capacity, count, err);
+      });
+  }
+  /** Paints a hint for the segmenter. */
+  result<void> add_paint(std::uint64_t frame, std::int32_t kind, float radius, const std::vector<mry_point> &points) {
+    return detail::perform([&](mry_error *err) {
+      return mry_rig_add_paint(c(), id_, frame, kind, radius, points.data(), points.size(), err);
+    });
+  }
+  /** Takes all paint off a frame. */
+  result<void> clear_paint(std::uint64_t frame) {
+    return detail::perform([&](mry_error *err) { return mry_rig_clear_paint(c(), id_, frame, err); });
+  }
+  /** Gives the whole mask of a frame as an image file; empty to take it off. */
+  result<void> set_mask(std::uint64_t frame, std::string_view path) {
+    return detail::perform([&](mry_error *err) { return mry_rig_set_mask(c(), id_, frame, detail::str(path), err); });
+  }
+  /** The longest drawn length of a limb, in clip pixels. */
+  result<float> length_hint(std::uint32_t limb) const {
+    float length = 0.0f;
+    return detail::perform([&](mry_error *err) { return mry_rig_get_length_hint(c(), id_, limb, &length, err); },
+                           [&] { return length; });
+  }
+  /** Fails with what is missing or wrong for jobs on `clip`. */
+  result<void> validate(const marey::clip &clip) const {
+    return detail::perform([&](mry_error *err) { return mry_rig_validate(c(), id_, clip.id(), err); });
+  }
+  /** The text of a strokes.json. */
+  result<std::string> to_json() const {
+    return detail::text([&](char *text, std::size_t capacity, std::size_t *size, mry_error *err) {
+      return mry_rig_to_json(c(), id_, text, capacity, size, err);
+    });
+  }
+  /** Writes strokes.json, whole or not at all. */
+  result<void> write(std::string_view path) const {
+    return detail::perform([&](mry_error *err) { return mry_rig_write(c(), id_, detail::str(path), err); });
+  }
+};
+
+/** Where a track is in one frame: three lists of one length. */
+struct track_frame {
+  /** Places, which may lie outside the image. */
+  std::vector<mry_point> points;
+  /** 1 where the point is seen. */
+  std::vector<std::uint8_t> visible;
+  /** How far each place is to be trusted, 0..1. */
+  std::vector<float> confidence;
+};
+
+/** Limbs over time. */
+class motion : public detail::handle<mry_motion, mry_motion_destroy> {
+public:
+  using handle::handle;
+
+  /** Size, tracks, frames. */
+  result<mry_motion_info> info() const {
+    mry_motion_info info = MRY_MOTION_INFO_INIT;
+    return detail::perform([&](mry_error *err) { return mry_motion_get_info(c(), id_, &info, err); },
+                           [&] { return info; });
+  }
+  /** A track's name. */
+  result<std::string> track_name(std::uint32_t track) const {
+    return detail::text([&](char *text, std::size_t capacity, std::size_t *size, mry_error *err) {
+      return mry_motion_get_track(c(), id_, track, text, capacity, size, nullptr, nullptr, err);
+    });
+  }
+  /** The track of a name. */
+  result<std::uint32_t> find_track(std::string_view name) const {
+    std::uint32_t track = 0;
+    return detail::perform(
+      [&](mry_error *err) { return mry_motion_find_track(c(), id_, detail::str(name), &track, err); },
+      [&] { return track; });
+  }
+  /** Where a track is in one frame. */
+  result<track_frame> frame(std::uint32_t track, std::uint64_t frame) const {
+    track_frame out;
+    std::size_t count = 0;
+    const auto read = [&](mry_error *err) {
+      mry_status status = mry_motion_read_frame(c(), id_, track, frame, nullptr, nullptr, nullptr, 0, &count, err);
+      if (status != MRY_OK) {
+        return status;
+      }
+      out.points.resize(count);
+      out.visible.resize(count);
+      out.confidence.resize(count);
+      return mry_motion_read_frame(c(), id_, track, frame, out.points.data(), out.visible.data(),
+                                   out.confidence.data(), count, &count, err);
+    };
+    return detail::perform(read, [&] { return std::move(out); });
+  }
+  /** The strokes that would help most, at most `most`, the most helpful first. */
+  result<std::vector<mry_correction>> corrections(const marey::rig &rig, std::uint32_t most) const {
+    std::vector<mry_correction> found;
+    const auto read = [&](mry_error *err) -> mry_status {
+      for (std::uint32_t i = 0; i < most; i++) {
+        mry_correction next = MRY_CORRECTION_INIT;
+        const mry_status status = mry_motion_get_correction(c(), id_, rig.id(), i, &next, err);
+        if (status != MRY_OK) {
+          return status == MRY_E_NOT_FOUND ? static_cast<mry_status>(MRY_OK) : status;
+        }
+        found.push_back(next);
+      }
+      return MRY_OK;
+    };
+    return detail::perform(read, [&] { return std::move(found); });
+  }
+  /** The text of a motion.json. */
+  result<std::string> to_json() const {
+    return detail::text([&](char *text, std::size_t capacity, std::size_t *size, mry_error *err) {
+      return mry_motion_to_json(c(), id_, text, capacity, size, err);
+    });
+  }
+  /** Writes motion.json, whole or not at all. */
+  result<void> write(std::string_view path) const {
+    return detail::perform([&](mry_error *err) { return mry_motion_write(c(), id_, detail::str(path), err); });
+  }
+};
+
+/** Which pixels are the creature's, frame by frame. */
+class masks : public detail::handle<mry_masks, mry_masks_destroy> {
+public:
+  using handle::handle;
+
+  /** Size and number. */
+  result<mry_masks_info> info() const {
+    mry_masks_info info = MRY_MASKS_INFO_INIT;
+    return detail::perform([&](mry_error *err) { return mry_masks_get_info(c(), id_, &info, err); },
+                           [&] { return info; });
+  }
+  /** One mask: a byte a pixel, 0 or 255, rows from the top without gaps. */
+  result<std::vector<std::uint8_t>> frame(std::uint64_t frame) const {
+    std::vector<std::uint8_t> pixels;
+    const auto read = [&](mry_error *err) {
+      mry_masks_info info = MRY_MASKS_INFO_INIT;
+      const mry_status status = mry_masks_get_info(c(), id_, &info, err);
+      if (status != MRY_OK) {
+        return status;
+      }
+      pixels.resize(std::size_t{ info.width } * info.height);
+      return mry_masks_read(c(), id_, frame, pixels.data(), pixels.size(), 0, err);
+    };
+    return detail::perform(read, [&] { return std::move(pixels); });
+  }
+  /** Writes 00000.png, ... and a report, whole or not at all. */
+  result<void> write(std::string_view folder) const {
+    return detail::perform([&](mry_error *err) { return mry_masks_write_folder(c(), id_, detail::str(folder), err); });
+  }
+};
+
+/** A textured mesh on animated bones. */
+class creature : public detail::handle<mry_creature, mry_creature_destroy> {
+public:
+  using handle::handle;
+
+  /** Counts, frames, rate. */
+  result<mry_creature_info> info() const {
+    mry_creature_info info = MRY_CREATURE_INFO_INIT;
+    return detail::perform([&](mry_error *err) { return mry_creature_get_info(c(), id_, &info, err); },
+                           [&] { return info; });
+  }
+  /** The motion that drives it. */
+  result<marey::motion> motion() const {
+    return other<marey::motion, mry_motion>(
+      [&](mry_motion *id, mry_error *err) { return mry_creature_get_motion(c(), id_, id, err); });
+  }
+  /** The masks it was built from. */
+  result<marey::masks> masks() const {
+    return other<marey::masks, mry_masks>(
+      [&](mry_masks *id, mry_error *err) { return mry_creature_get_masks(c(), id_, id, err); });
+  }
+  /** The text of the report of the job that made it. */
+  result<std::string> report() const {
+    return detail::text([&](char *text, std::size_t capacity, std::size_t *size, mry_error *err) {
+      return mry_creature_get_report(c(), id_, text, capacity, size, err);
+    });
+  }
+  /** A part's name: the limb's label. */
+  result<std::string> part_name(std::uint32_t part) const {
+    return detail::text([&](char *text, std::size_t capacity, std::size_t *size, mry_error *err) {
+      return mry_creature_get_part(c(), id_, part, text, capacity, size, nullptr, err);
+    });
+  }
+  /** A bone's name. */
+  result<std::string> bone_name(std::uint32_t bone) const {
+    return detail::text([&](char *text, std::size_t capacity, std::size_t *size, mry_error *err) {
+      return mry_creature_get_bone(c(), id_, bone, text, capacity, size, nullptr, err);
+    });
+  }
+  /** All bones in one frame, or in MRY_REST_POSE. */
+  result<std::vector<mry_transform>> pose(std::uint64_t frame) const {
+    return detail::list<mry_transform>(
+      [&](mry_transform *transforms, std::size_t capacity, std::size_t *count, mry_error *err) {
+        return mry_creature_read_pose(c(), id_, frame, transforms, capacity, count, err);
+      });
+  }
+  /** A part's surface in one frame, or in MRY_REST_POSE, without a copy. */
+  result<mesh_map> map_part(std::uint32_t part, std::uint64_t frame) const {
+    mry_mesh_view view = MRY_MESH_VIEW_INIT;
+    return detail::perform([&](mry_error *err) { return mry_creature_map_part(c(), id_, part, frame, &view, err); },
+                           [&] { return mesh_map(context_, view); });
+  }
+  /** A part's texture, without a copy. */
+  result<image_map> map_texture(std::uint32_t part) const {
+    mry_image_view view = MRY_IMAGE_VIEW_INIT;
+    return detail::perform([&](mry_error *err) { return mry_creature_map_texture(c(), id_, part, &view, err); },
+                           [&] { return image_map(context_, view); });
+  }
+  /** Writes a glTF 2.0 binary, whole or not at all. `scale` is metres a world unit. */
+  result<void> write_glb(std::string_view path, float scale = 1.0f) const {
+    return detail::perform(
+      [&](mry_error *err) { return mry_creature_write_glb(c(), id_, detail::str(path), scale, err); });
+  }
+  /** Writes OBJ files, whole or not at all. */
+  result<void> write_obj(std::string_view folder) const {
+    return detail::perform([&](mry_error *err) { return mry_creature_write_obj(c(), id_, detail::str(folder), err); });
+  }
+  /** Writes everything into a folder, whole or not at all. */
+  result<void> write_folder(std::string_view folder, bool obj = false, float scale = 1.0f) const {
+    return detail::perform([&](mry_error *err) {
+      return mry_creature_write_folder(c(), id_, detail::str(folder), obj ? 1u : 0u, scale, err);
+    });
+  }
+};
+
+/** Long work that goes on beside the host. Its end cancels what has not ended. */
+class job : public detail::handle<mry_job, mry_job_destroy> {
+public:
+  using handle::handle;
+
+  /** How it is doing. Never waits. */
+  result<mry_job_state> poll() const {
+    mry_job_state state = MRY_JOB_STATE_INIT;
+    return detail::perform([&](mry_error *err) { return mry_job_poll(c(), id_, &state, err); }, [&] { return state; });
+  }
+  /** Waits for its end. Fails as the job did, and with MRY_CANCELLED when it was cancelled. */
+  result<void> wait() const {
+    return detail::perform([&](mry_error *err) { return mry_job_wait(c(), id_, MRY_FOREVER, err); });
+  }
+  /** Waits for its end, at most so long; whether it has come. Fails as wait() does. */
+  result<bool> wait_for(std::chrono::nanoseconds time) const {
+    const auto ns = static_cast<std::uint64_t>(time.count() < 0 ? 0 : time.count());
+    bool ended = true;
+    const auto wait = [&](mry_error *err) {
+      const mry_status status = mry_job_wait(c(), id_, ns, err);
+      ended = status != MRY_PENDING;
+      return ended ? status : static_cast<mry_status>(MRY_OK);
+    };
+    return detail::perform(wait, [&] { return ended; });
+  }
+  /** Asks it to stop; returns at once. */
+  result<void> cancel() {
+    return detail::perform([&](mry_error *err) { return mry_job_cancel(c(), id_, err); });
+  }
+  /** Takes the clip that an open job opened; once. */
+  result<marey::clip> take_clip() {
+    return other<marey::clip, mry_clip>(
+      [&](mry_clip *id, mry_error *err) { return mry_job_take_clip(c(), id_, id, err); });
+  }
+  /** Takes the motion that it made; once. */
+  result<marey::motion> take_motion() {
+    return other<marey::motion, mry_motion>(
+      [&](mry_motion *id, mry_error *err) { return mry_job_take_motion(c(), id_, id, err); });
+  }
+  /** Takes the masks that it made; once. */
+  result<marey::masks> take_masks() {
+    return other<marey::masks, mry_masks>(
+      [&](mry_masks *id, mry_error *err) { return mry_job_take_masks(c(), id_, id, err); });
+  }
+  /** Takes the creature that it made; once. */
+  result<marey::creature> take_creature() {
+    return other<marey::creature, mry_creature>(
+      [&](mry_creature *id, mry_error *err) { return mry_job_take_creature(c(), id_, id, err); });
+  }
+};
+
+/** Which tracker and segmenter; empty names are the best there are. */
+struct methods {
+  /** The tracker: "space-time", "paper". */
+  std::string_view tracker;
+  /** The segmenter: "layered", "paper". */
+  std::string_view segmenter;
+};
+
+/** How to create a context. */
+struct context_options {
+  /** Worker threads; 0 for one a core. */
+  std::uint32_t threads = 0;
+  /** Takes the log's lines, from several threads at a time. What it throws ends the program. */
+  std::function<void(std::int32_t level, std::string_view line)> log;
+  /** What the context will work on at most; zeros are the defaults. */
+  mry_limits limits = MRY_LIMITS_INIT;
+};
+
+/** The library's state for one user. Moves; lives as long as its last object. */
+class context {
+public:
+#ifndef MAREY_NO_EXCEPTIONS
+  /** Creates a context and starts its threads. */
+  explicit context(context_options options = {}) : context(create(std::move(options))) {}
+#endif
+  context(context &&) noexcept = default;
+  context &operator=(context &&) noexcept = default;
+
+  /** Creates a context and starts its threads. */
+  static result<context> create(context_options options = {}) {
+    auto state = std::make_shared<detail::state>();
+    mry_context_desc desc = MRY_CONTEXT_DESC_INIT;
+    desc.threads = options.threads;
+    desc.limits = &options.limits;
+    if (options.log) {
+      state->log = std::move(options.log);
+      desc.log = detail::state::take_line;
+      desc.log_user = state.get();
+    }
+    return detail::perform([&](mry_error *err) { return mry_context_create(&desc, &state->context, err); },
+                           [&] { return context(std::move(state)); });
+  }
+
+  /** For calls of marey.h. It stays this context's. */
+  mry_context *get() const noexcept { return state_ ? state_->context : nullptr; }
+
+  /** How many worker threads it has. */
+  result<std::uint32_t> threads() const {
+    std::uint32_t threads = 0;
+    return detail::perform([&](mry_error *err) { return mry_context_get_threads(get(), &threads, err); },
+                           [&] { return threads; });
+  }
+  /** Opens a video file or a folder of numbered images. */
+  result<clip> open(std::string_view path, const mry_clip_options *options = nullptr) const {
+    return make<clip, mry_clip>([&](mry_clip *id, mry_error *err) {
+      return mry_clip_open(get(), detail::str(path), options, id, err);
+    });
+  }
+  /** An empty rig for a clip of this size. */
+  result<rig> new_rig(std::uint32_t width, std::uint32_t height) const {
+    return make<rig, mry_rig>(
+      [&](mry_rig *id, mry_error *err) { return mry_rig_create(get(), width, height, id, err); });
+  }
+  /** Reads a strokes.json file. */
+  result<rig> read_rig(std::string_view path) const {
+    return make<rig, mry_rig>(
+      [&](mry_rig *id, mry_error *err) { return mry_rig_read(get(), detail::str(path), id, err); });
+  }
+  /** Reads the text of a strokes.json. */
+  result<rig> rig_from_json(std::string_view json) const {
+    return make<rig, mry_rig>(
+      [&](mry_rig *id, mry_error *err) { return mry_rig_from_json(get(), detail::str(json), id, err); });
+  }
+  /** Reads a motion.json file. */
+  result<motion> read_motion(std::string_view path) const {
+    return make<motion, mry_motion>(
+      [&](mry_motion *id, mry_error *err) { return mry_motion_read(get(), detail::str(path), id, err); });
+  }
+  /** Starts opening a clip. */
+  result<job> start_open(std::string_view path, const mry_clip_options *options = nullptr) const {
+    return make<job, mry_job>([&](mry_job *id, mry_error *err) {
+      return mry_job_start_open(get(), detail::str(path), options, id, err);
+    });
+  }
+  /** Starts tracking. */
+  result<job> start_track(const clip &clip, const rig &rig, const methods &by = {}) const {
+    mry_track_desc desc = MRY_TRACK_DESC_INIT;
+    desc.clip = clip.id();
+    desc.rig = rig.id();
+    desc.tracker = detail::str(by.tracker);
+    return make<job, mry_job>([&](mry_job *id, mry_error *err) { return mry_job_start_track(get(), &desc, id, err); });
+  }
+  /** Starts segmenting, after tracking where no motion is given. */
+  result<job> start_segment(const clip &clip, const rig &rig, const motion *tracked = nullptr,
+                            const methods &by = {}) const {
+    mry_segment_desc desc = MRY_SEGMENT_DESC_INIT;
+    desc.clip = clip.id();
+    desc.rig = rig.id();
+    desc.motion = tracked != nullptr ? tracked->id() : mry_motion{};
+    desc.tracker = detail::str(by.tracker);
+    desc.segmenter = detail::str(by.segmenter);
+    return make<job, mry_job>(
+      [&](mry_job *id, mry_error *err) { return mry_job_start_segment(get(), &desc, id, err); });
+  }
+  /** Starts the whole job. */
+  result<job> start_creature(const clip &clip, const rig &rig, const methods &by = {}) const {
+    const mry_creature_desc desc = creature_desc(clip, rig, by);
+    return make<job, mry_job>(
+      [&](mry_job *id, mry_error *err) { return mry_job_start_creature(get(), &desc, id, err); });
+  }
+  /** Makes a creature, and returns when it is done. */
+  result<creature> run_creature(const clip &clip, const rig &rig, const methods &by = {}) const {
+    const mry_creature_desc desc = creature_desc(clip, rig, by);
+    return make<creature, mry_creature>(
+      [&](mry_creature *id, mry_error *err) { return mry_run_creature(get(), &desc, id, err); });
+  }
+  /** Starts writing a creature's files: MRY_EXPORT_GLB, ... */
+  result<job> start_export(const creature &creature, std::int32_t what, std::string_view path) const {
+    mry_export_desc desc = MRY_EXPORT_DESC_INIT;
+    desc.what = what;
+    desc.creature = creature.id();
+    desc.path = detail::str(path);
+    return make<job, mry_job>([&](mry_job *id, mry_error *err) { return mry_job_start_export(get(), &desc, id, err); });
+  }
+
+private:
+  explicit context(std::shared_ptr<detail::state> state) noexcept : state_(std::move(state)) {}
+
+  static mry_creature_desc creature_desc(const clip &clip, const rig &rig, const methods &by) noexcept {
+    mry_creature_desc desc = MRY_CREATURE_DESC_INIT;
+    desc.clip = clip.id();
+    desc.rig = rig.id();
+    desc.tracker = detail::str(by.tracker);
+    desc.segmenter = detail::str(by.segmenter);
+    return desc;
+  }
+
+  template <class Handle, class Id, class Call> result<Handle> make(Call call) const {
+    Id id{};
+    return detail::perform([&](mry_error *err) { return call(&id, err); }, [&] { return Handle(state_, id); });
+  }
+
+  std::shared_ptr<detail::state> state_;
+};
+
+} // namespace marey
+
+#endif

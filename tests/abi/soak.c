@@ -1,0 +1,438 @@
+/*
+ * soak.c: random calls on the C library, right and wrong, in any order.
+ *
+ *   soak CLIP STROKES.json FOLDER SEED CALLS
+ *
+ * Whatever is called, with live, dead and made-up ids, NULL, NaN, short buffers, absurd counts and wrong sizes: the
+ * answer must be a status that the library knows, an error must come with words, and never may it be a defect of the
+ * library (MRY_E_PANIC, MRY_E_POISONED). What is more is left to who watches: sanitizers, valgrind, the exit status.
+ * The same seed makes the same calls with one compiler; what jobs come to depends on time. Files are written into
+ * FOLDER and the folder that it runs in.
+ */
+#include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <marey/marey.h>
+
+enum { CLIP, RIG, MOTION, MASKS, CREATURE, JOB, MAP, KINDS };
+enum { PLACES = 6, BYTES = 1 << 15 };
+
+typedef struct soak {
+  mry_context *context;
+  /* Ids that were alive once; the older half may be dead. */
+  uint64_t ids[KINDS][PLACES];
+  uint64_t random;
+  uint64_t job_count, good, refused;
+  const char *clip, *strokes, *folder;
+  mry_error err;
+  _Alignas(16) unsigned char bytes[BYTES];
+} soak;
+
+/* SplitMix64 (Steele, Lea, Flood 2014). */
+static uint64_t next(soak *s) {
+  uint64_t z = s->random += UINT64_C(0x9e3779b97f4a7c15);
+  z = (z ^ (z >> 30)) * UINT64_C(0xbf58476d1ce4e5b9);
+  z = (z ^ (z >> 27)) * UINT64_C(0x94d049bb133111eb);
+  return z ^ (z >> 31);
+}
+
+static uint32_t below(soak *s, uint32_t n) { return (uint32_t)(next(s) % n); }
+
+static mry_status end(soak *s, int kind, uint64_t v) {
+  switch (kind) {
+    case CLIP: return mry_clip_close(s->context, (mry_clip){ v });
+    case RIG: return mry_rig_destroy(s->context, (mry_rig){ v });
+    case MOTION: return mry_motion_destroy(s->context, (mry_motion){ v });
+    case MASKS: return mry_masks_destroy(s->context, (mry_masks){ v });
+    case CREATURE: return mry_creature_destroy(s->context, (mry_creature){ v });
+    case JOB: return mry_job_destroy(s->context, (mry_job){ v });
+    default: return mry_unmap(s->context, (mry_map){ v });
+  }
+}
+
+/* Keeps a new object in the place of an old one. */
+static void keep(soak *s, int kind, uint64_t v) {
+  if (v != 0) {
+    uint64_t *place = &s->ids[kind][below(s, PLACES)];
+    end(s, kind, *place);
+    *place = v;
+  }
+}
+
+/* An id: mostly one that was alive once, now and then of another kind, null or made up. */
+static uint64_t id(soak *s, int kind) {
+  uint32_t dice = below(s, 64);
+  if (dice == 0) {
+    return 0;
+  }
+  if (dice == 1) {
+    return next(s);
+  }
+  return s->ids[dice == 2 ? (int)below(s, KINDS) : kind][below(s, PLACES)];
+}
+
+/* A number: mostly small, now and then absurd. */
+static uint32_t number(soak *s, uint32_t n) { return below(s, 40) == 0 ? (uint32_t)next(s) : below(s, n); }
+static uint64_t frame(soak *s) { return below(s, 40) == 0 ? next(s) : below(s, 9); }
+static uint64_t pose(soak *s) { return below(s, 6) == 0 ? MRY_REST_POSE : frame(s); }
+
+static float real(soak *s) {
+  static const float odd[] = { NAN, INFINITY, -INFINITY, 1e30f, -0.0f, 1e-40f };
+  return below(s, 50) == 0 ? odd[below(s, 6)] : (float)below(s, 1000) / 10.0f;
+}
+
+static mry_str text(soak *s) {
+  static const char *const texts[] = { "body", "hind", "fore", "tail", "\xff\xfe", "", "{}", "space-time", "layered" };
+  static const char with_nul[] = { 'a', 0, 'b' };
+  uint32_t dice = below(s, 12);
+  if (dice == 0) {
+    return (mry_str){ with_nul, sizeof with_nul };
+  }
+  if (dice == 1) {
+    return (mry_str){ NULL, below(s, 2) == 0 ? 0 : MRY_STRZ };
+  }
+  return MRY_STR(texts[below(s, 9)]);
+}
+
+/* A place in FOLDER to write to; the same few, so that things get in each other's way. */
+static mry_str place(soak *s, char name[300], const char *extension) {
+  snprintf(name, 300, "%s/%u%s", s->folder, (unsigned)below(s, 3), extension);
+  return below(s, 30) == 0 ? text(s) : MRY_STR(name);
+}
+
+static void *out(soak *s) { return below(s, 60) == 0 ? NULL : s->bytes; }
+/* How many things of `size` bytes fit where out() points, or fewer. */
+static size_t room(soak *s, size_t size) { return below(s, 3) == 0 ? below(s, 5) : BYTES / size; }
+
+static const mry_point *points(soak *s, mry_point p[8]) {
+  for (int i = 0; i < 8; i++) {
+    p[i] = (mry_point){ real(s), real(s) };
+  }
+  return below(s, 60) == 0 ? NULL : p;
+}
+
+/* A struct_size: mostly right. */
+#define SIZED(type, value) \
+  ((value)->struct_size = below(s, 40) == 0 ? number(s, 200) % (uint32_t)(sizeof(type) + 1) : (uint32_t)sizeof(type))
+
+#define ERR (below(s, 10) == 0 ? NULL : &s->err)
+
+static mry_status edit_rig(soak *s) {
+  mry_point p[8];
+  char name[300];
+  uint32_t limb = 0;
+  size_t count = 0;
+  float length = 0;
+  mry_rig rig = { id(s, RIG) };
+  switch (below(s, 16)) {
+    case 0: return mry_rig_add_limb(s->context, rig, text(s), (int32_t)number(s, 5), &limb, ERR);
+    case 1: return mry_rig_get_limb_count(s->context, rig, out(s), ERR);
+    case 2: return mry_rig_get_limb(s->context, rig, number(s, 4), out(s), room(s, 1), &count, NULL, ERR);
+    case 3:
+    case 4:
+    case 5:
+      return mry_rig_set_stroke(s->context, rig, number(s, 4), frame(s), points(s, p), below(s, 9),
+                                (int32_t)number(s, 4), ERR);
+    case 6: return mry_rig_remove_stroke(s->context, rig, number(s, 4), frame(s), ERR);
+    case 7:
+      return mry_rig_get_stroke(s->context, rig, number(s, 4), frame(s), out(s), room(s, sizeof(mry_point)), &count,
+                                NULL, ERR);
+    case 8: return mry_rig_get_keyframes(s->context, rig, out(s), room(s, 8), &count, ERR);
+    case 9:
+      return mry_rig_add_paint(s->context, rig, frame(s), (int32_t)number(s, 3), real(s), points(s, p), below(s, 9),
+                               ERR);
+    case 10: return mry_rig_clear_paint(s->context, rig, frame(s), ERR);
+    case 11: return mry_rig_set_mask(s->context, rig, frame(s), below(s, 2) == 0 ? MRY_STR("") : place(s, name, ".png"), ERR);
+    case 12: return mry_rig_get_length_hint(s->context, rig, number(s, 4), &length, ERR);
+    case 13: return mry_rig_validate(s->context, rig, (mry_clip){ below(s, 2) == 0 ? 0 : id(s, CLIP) }, ERR);
+    case 14: return mry_rig_to_json(s->context, rig, out(s), room(s, 1), &count, ERR);
+    default: return mry_rig_write(s->context, rig, place(s, name, ".json"), ERR);
+  }
+}
+
+static mry_status make_rig(soak *s) {
+  mry_rig rig = { 0 };
+  mry_status status;
+  switch (below(s, 3)) {
+    case 0: status = mry_rig_create(s->context, number(s, 99), number(s, 99), &rig, ERR); break;
+    case 1: status = mry_rig_from_json(s->context, text(s), &rig, ERR); break;
+    default: status = mry_rig_read(s->context, MRY_STR(s->strokes), &rig, ERR); break;
+  }
+  keep(s, RIG, rig.v);
+  return status;
+}
+
+static mry_status use_clip(soak *s) {
+  mry_clip clip = { id(s, CLIP) };
+  mry_clip_info info = MRY_CLIP_INFO_INIT;
+  mry_image_view view = MRY_IMAGE_VIEW_INIT;
+  double seconds = 0;
+  size_t count = 0;
+  mry_status status;
+  switch (below(s, 6)) {
+    case 0: SIZED(mry_clip_info, &info); return mry_clip_get_info(s->context, clip, &info, ERR);
+    case 1: return mry_clip_get_time(s->context, clip, frame(s), &seconds, ERR);
+    case 2: return mry_clip_get_warning(s->context, clip, number(s, 2), out(s), room(s, 1), &count, ERR);
+    case 3: return mry_clip_read_frame(s->context, clip, frame(s), out(s), room(s, 1), number(s, 999), ERR);
+    case 4:
+      SIZED(mry_image_view, &view);
+      status = mry_clip_map_frame(s->context, clip, frame(s), &view, ERR);
+      if (status == MRY_OK) {
+        s->good += view.data[below(s, (uint32_t)view.stride_bytes * view.height)] % 2u;
+        keep(s, MAP, view.map.v);
+      }
+      return status;
+    default:
+      clip.v = 0;
+      status = mry_clip_open(s->context, below(s, 4) == 0 ? text(s) : MRY_STR(s->clip), NULL, &clip, ERR);
+      keep(s, CLIP, clip.v);
+      return status;
+  }
+}
+
+static mry_status use_motion(soak *s) {
+  char name[300];
+  mry_motion motion = { id(s, MOTION) }, read = { 0 };
+  mry_motion_info info = MRY_MOTION_INFO_INIT;
+  mry_correction correction = MRY_CORRECTION_INIT;
+  uint32_t a = 0, b = 0;
+  size_t count = 0, capacity = room(s, sizeof(mry_point));
+  mry_status status;
+  switch (below(s, 10)) {
+    case 0: SIZED(mry_motion_info, &info); return mry_motion_get_info(s->context, motion, &info, ERR);
+    case 1: return mry_motion_get_track(s->context, motion, number(s, 4), out(s), room(s, 1), &count, NULL, NULL, ERR);
+    case 2: return mry_motion_find_track(s->context, motion, text(s), &a, ERR);
+    case 3:
+      return mry_motion_read_frame(s->context, motion, number(s, 4), frame(s), out(s), NULL, NULL, capacity, &count, ERR);
+    case 4: return mry_motion_get_bone(s->context, motion, number(s, 4), &a, &b, ERR);
+    case 5:
+      return mry_motion_get_correction(s->context, motion, (mry_rig){ below(s, 2) == 0 ? 0 : id(s, RIG) }, number(s, 4),
+                                       &correction, ERR);
+    case 6: return mry_motion_to_json(s->context, motion, out(s), room(s, 1), &count, ERR);
+    case 7: return mry_motion_write(s->context, motion, place(s, name, ".json"), ERR);
+    case 8:
+      return mry_motion_get_report(s->context, motion, (mry_clip){ id(s, CLIP) }, (mry_rig){ id(s, RIG) }, out(s),
+                                   room(s, 1), &count, ERR);
+    default:
+      status = mry_motion_read(s->context, place(s, name, ".json"), &read, ERR);
+      keep(s, MOTION, read.v);
+      return status;
+  }
+}
+
+static mry_status use_masks(soak *s) {
+  mry_masks masks = { id(s, MASKS) };
+  mry_masks_info info = MRY_MASKS_INFO_INIT;
+  size_t count = 0;
+  switch (below(s, 3)) {
+    case 0: SIZED(mry_masks_info, &info); return mry_masks_get_info(s->context, masks, &info, ERR);
+    case 1: return mry_masks_read(s->context, masks, frame(s), out(s), room(s, 1), number(s, 200), ERR);
+    default: return mry_masks_get_report(s->context, masks, out(s), room(s, 1), &count, ERR);
+  }
+}
+
+static mry_status use_creature(soak *s) {
+  mry_creature creature = { id(s, CREATURE) };
+  mry_creature_info info = MRY_CREATURE_INFO_INIT;
+  mry_part_info part = MRY_PART_INFO_INIT;
+  mry_mesh_view mesh = MRY_MESH_VIEW_INIT;
+  mry_image_view view = MRY_IMAGE_VIEW_INIT;
+  mry_motion motion = { 0 };
+  mry_masks masks = { 0 };
+  size_t count = 0;
+  mry_status status;
+  switch (below(s, 11)) {
+    case 0: SIZED(mry_creature_info, &info); return mry_creature_get_info(s->context, creature, &info, ERR);
+    case 1:
+      status = mry_creature_get_motion(s->context, creature, &motion, ERR);
+      keep(s, MOTION, motion.v);
+      return status;
+    case 2:
+      status = mry_creature_get_masks(s->context, creature, &masks, ERR);
+      keep(s, MASKS, masks.v);
+      return status;
+    case 3: return mry_creature_get_report(s->context, creature, out(s), room(s, 1), &count, ERR);
+    case 4: return mry_creature_get_bone(s->context, creature, number(s, 9), out(s), room(s, 1), &count, NULL, ERR);
+    case 5:
+      return mry_creature_read_pose(s->context, creature, pose(s), out(s), room(s, sizeof(mry_transform)), &count, ERR);
+    case 6:
+      SIZED(mry_part_info, &part);
+      return mry_creature_get_part(s->context, creature, number(s, 4), out(s), room(s, 1), &count, &part, ERR);
+    case 7:
+      return mry_creature_read_vertices(s->context, creature, number(s, 4), pose(s), out(s), NULL, NULL, room(s, 12),
+                                        &count, ERR);
+    case 8: return mry_creature_read_triangles(s->context, creature, number(s, 4), out(s), room(s, 12), &count, ERR);
+    case 9:
+      SIZED(mry_mesh_view, &mesh);
+      status = mry_creature_map_part(s->context, creature, number(s, 4), pose(s), &mesh, ERR);
+      if (status == MRY_OK) {
+        s->good += mesh.positions[3 * below(s, (uint32_t)mesh.vertex_count)] > 0.0f;
+        keep(s, MAP, mesh.map.v);
+      }
+      return status;
+    default:
+      status = mry_creature_map_texture(s->context, creature, number(s, 4), &view, ERR);
+      keep(s, MAP, view.map.v);
+      return status;
+  }
+}
+
+static mry_status start_job(soak *s) {
+  char name[300];
+  mry_job job = { 0 };
+  mry_status status;
+  mry_clip clip = { id(s, CLIP) };
+  mry_rig rig = { id(s, RIG) };
+  switch (below(s, 5)) {
+    case 0: status = mry_job_start_open(s->context, MRY_STR(s->clip), NULL, &job, ERR); break;
+    case 1: {
+      mry_track_desc desc = MRY_TRACK_DESC_INIT;
+      desc.clip = clip;
+      desc.rig = rig;
+      status = mry_job_start_track(s->context, &desc, &job, ERR);
+      break;
+    }
+    case 2: {
+      mry_segment_desc desc = MRY_SEGMENT_DESC_INIT;
+      desc.clip = clip;
+      desc.rig = rig;
+      desc.motion.v = below(s, 2) == 0 ? 0 : id(s, MOTION);
+      status = mry_job_start_segment(s->context, &desc, &job, ERR);
+      break;
+    }
+    case 3: {
+      mry_export_desc desc = MRY_EXPORT_DESC_INIT;
+      desc.creature.v = id(s, CREATURE);
+      desc.what = (int32_t)number(s, 6);
+      desc.path = place(s, name, ".out");
+      desc.scale = real(s);
+      status = mry_job_start_export(s->context, &desc, &job, ERR);
+      break;
+    }
+    default: {
+      mry_creature_desc desc = MRY_CREATURE_DESC_INIT;
+      desc.clip = clip;
+      desc.rig = rig;
+      status = mry_job_start_creature(s->context, &desc, &job, ERR);
+      break;
+    }
+  }
+  s->job_count += status == MRY_OK;
+  keep(s, JOB, job.v);
+  return status;
+}
+
+static mry_status use_job(soak *s) {
+  mry_job job = { id(s, JOB) };
+  mry_job_state state = MRY_JOB_STATE_INIT;
+  mry_clip clip = { 0 };
+  mry_motion motion = { 0 };
+  mry_masks masks = { 0 };
+  mry_creature creature = { 0 };
+  mry_status status;
+  switch (below(s, 8)) {
+    case 0: return below(s, 20) == 0 ? mry_job_cancel(s->context, job, ERR) : MRY_OK;
+    case 1: return mry_job_wait(s->context, job, below(s, 4) == 0 ? UINT64_C(20000000) : 0, ERR);
+    case 2: status = mry_job_take_clip(s->context, job, &clip, ERR); break;
+    case 3: status = mry_job_take_motion(s->context, job, &motion, ERR); break;
+    case 4: status = mry_job_take_masks(s->context, job, &masks, ERR); break;
+    case 5: status = mry_job_take_creature(s->context, job, &creature, ERR); break;
+    default: SIZED(mry_job_state, &state); return mry_job_poll(s->context, job, &state, ERR);
+  }
+  keep(s, CLIP, clip.v);
+  keep(s, MOTION, motion.v);
+  keep(s, MASKS, masks.v);
+  keep(s, CREATURE, creature.v);
+  return status;
+}
+
+static mry_status one(soak *s) {
+  uint32_t dice = below(s, 200);
+  if (dice < 2) {
+    int kind = (int)below(s, KINDS);
+    return end(s, kind, id(s, kind));
+  }
+  /* Work is rare, or nothing else would be done. */
+  if (dice < 3) {
+    return below(s, 8) == 0 ? start_job(s) : MRY_OK;
+  }
+  if (dice < 6) {
+    return make_rig(s);
+  }
+  switch (dice % 6) {
+    case 0: return edit_rig(s);
+    case 1: return use_clip(s);
+    case 2: return use_motion(s);
+    case 3: return use_masks(s);
+    case 4: return use_creature(s);
+    default: return use_job(s);
+  }
+}
+
+/* Fills every place once, so that calls have something to work on. */
+static int begin(soak *s) {
+  mry_context_desc desc = MRY_CONTEXT_DESC_INIT;
+  desc.threads = 1 + below(s, 3);
+  memset(s->ids, 0, sizeof s->ids);
+  if (mry_context_create(&desc, &s->context, &s->err) != MRY_OK) {
+    return 0;
+  }
+  mry_clip clip;
+  mry_rig rig;
+  mry_creature creature;
+  mry_creature_desc what = MRY_CREATURE_DESC_INIT;
+  int good = mry_clip_open(s->context, MRY_STR(s->clip), NULL, &clip, &s->err) == MRY_OK &&
+             mry_rig_read(s->context, MRY_STR(s->strokes), &rig, &s->err) == MRY_OK;
+  if (good) {
+    what.clip = clip;
+    what.rig = rig;
+    good = mry_run_creature(s->context, &what, &creature, &s->err) == MRY_OK;
+  }
+  if (good) {
+    s->ids[CLIP][0] = clip.v;
+    s->ids[RIG][0] = rig.v;
+    s->ids[CREATURE][0] = creature.v;
+  }
+  return good;
+}
+
+int main(int argc, char **argv) {
+  if (argc != 6) {
+    fprintf(stderr, "usage: %s CLIP STROKES.json FOLDER SEED CALLS\n", argv[0]);
+    return 2;
+  }
+  static soak all;
+  soak *s = &all;
+  s->clip = argv[1];
+  s->strokes = argv[2];
+  s->folder = argv[3];
+  s->random = strtoull(argv[4], NULL, 10);
+  const uint64_t calls = strtoull(argv[5], NULL, 10);
+  const uint64_t context_calls = 20000;
+  s->err = (mry_error)MRY_ERROR_INIT;
+  for (uint64_t i = 0; i < calls; i++) {
+    if (i % context_calls == 0) {
+      /* Now and then all at once, over whatever runs. */
+      mry_context_destroy(s->context);
+      if (!begin(s)) {
+        fprintf(stderr, "soak: cannot begin: %s\n", s->err.message);
+        return 1;
+      }
+    }
+    memset(s->err.message, 0, sizeof s->err.message);
+    mry_status status = one(s);
+    s->good += status >= 0;
+    s->refused += status < 0;
+    int known = strcmp(mry_status_text(status), "unknown status") != 0;
+    if (!known || status == MRY_E_PANIC || status == MRY_E_POISONED) {
+      fprintf(stderr, "soak: call %" PRIu64 ": status %" PRId32 ": %s\n", i, status, s->err.message);
+      return 1;
+    }
+  }
+  mry_context_destroy(s->context);
+  printf("%" PRIu64 " calls: %" PRIu64 " refused; %" PRIu64 " jobs\n", calls, s->refused, s->job_count);
+  return 0;
+}
