@@ -29,6 +29,7 @@ use crate::maps::MapTable;
 use crate::masks::MasksTable;
 use crate::motion::MotionTable;
 use crate::rig::RigTable;
+use crate::session::SessionTable;
 use crate::status::{mry_status, mry_status_code as Code};
 use crate::string::mry_str;
 use crate::table::Table;
@@ -106,6 +107,7 @@ pub(crate) struct Context {
     pub(crate) masks: MasksTable,
     pub(crate) creatures: CreatureTable,
     pub(crate) jobs: JobTable,
+    pub(crate) sessions: SessionTable,
     pub(crate) maps: MapTable,
     pub(crate) limits: Limits,
     log: Arc<LogSink>,
@@ -197,6 +199,7 @@ pub unsafe extern "C" fn mry_context_create(
             masks: Table::new(4, tag, most),
             creatures: Table::new(5, tag, most),
             jobs: Table::new(6, tag, most),
+            sessions: Table::new(7, tag, most),
             maps: Table::new(14, tag, most),
             limits,
             log: Arc::new(LogSink { sink: desc.log, user: desc.log_user, inside: AtomicU32::new(0) }),

@@ -34,7 +34,7 @@ pub(crate) fn limb_index(rig: &Rig, limb: u32) -> Outcome<usize> {
     }
 }
 
-fn side_in(side: i32) -> Outcome<Option<Side>> {
+pub(crate) fn side_in(side: i32) -> Outcome<Option<Side>> {
     match side {
         MRY_SIDE_UNKNOWN => Ok(None),
         MRY_SIDE_NEAR => Ok(Some(Side::Near)),

@@ -7,7 +7,7 @@ use marey::rig::Paint;
 
 use crate::border;
 use crate::context::mry_context;
-use crate::error::{Failure, mry_error};
+use crate::error::{Failure, Outcome, mry_error};
 use crate::guard::entry;
 use crate::rig::mry_rig;
 use crate::status::{mry_status, mry_status_code as Code};
@@ -18,6 +18,24 @@ use crate::stroke::{key_frame, mry_point, points_in, tidy};
 pub const MRY_PAINT_BACKGROUND: i32 = 0;
 /// Paint that marks the creature.
 pub const MRY_PAINT_FOREGROUND: i32 = 1;
+
+pub(crate) fn foreground_in(kind: i32) -> Outcome<bool> {
+    match kind {
+        MRY_PAINT_FOREGROUND => Ok(true),
+        MRY_PAINT_BACKGROUND => Ok(false),
+        _ => Err(Failure::argument("kind", format!("kind is {kind}, which is no MRY_PAINT"))),
+    }
+}
+
+pub(crate) fn radius_in(radius: f32) -> Outcome<f32> {
+    if !radius.is_finite() {
+        return Err(Failure::new(Code::MRY_E_NON_FINITE, "radius", format!("radius is {radius}")));
+    }
+    if radius <= 0.0 {
+        return Err(Failure::argument("radius", format!("radius is {radius}, and must be above 0")));
+    }
+    Ok(radius)
+}
 
 /// Paints a hint for the segmenter on a frame: what is along the path is the creature's, or is not.
 ///
@@ -47,17 +65,7 @@ pub unsafe extern "C" fn mry_rig_add_paint(
         if points.is_empty() {
             return Err(Failure::argument("point_count", "point_count is 0, and paint has 1 or more"));
         }
-        let foreground = match kind {
-            MRY_PAINT_FOREGROUND => true,
-            MRY_PAINT_BACKGROUND => false,
-            _ => return Err(Failure::argument("kind", format!("kind is {kind}, which is no MRY_PAINT"))),
-        };
-        if !radius.is_finite() {
-            return Err(Failure::new(Code::MRY_E_NON_FINITE, "radius", format!("radius is {radius}")));
-        }
-        if radius <= 0.0 {
-            return Err(Failure::argument("radius", format!("radius is {radius}, and must be above 0")));
-        }
+        let (foreground, radius) = (foreground_in(kind)?, radius_in(radius)?);
         call.rig_mut(rig, |rig| {
             key_frame(rig, frame, call.context.limits.key_frames)?.paint.push(Paint { foreground, radius, points });
             Ok(Code::MRY_OK)

@@ -14,6 +14,7 @@ use crate::error::{Failure, Outcome};
 use crate::guard::{Call, panic_text};
 use crate::job::mry_job;
 use crate::masks::MaskSet;
+use crate::session_jobs::ForSession;
 use crate::status::{mry_status, mry_status_code as Code};
 
 /// A part of a job's result.
@@ -33,6 +34,7 @@ pub(crate) struct Product {
     pub(crate) motion: Part<Arc<Motion>>,
     pub(crate) masks: Part<Arc<MaskSet>>,
     pub(crate) creature: Part<Arc<Creature>>,
+    pub(crate) for_session: Part<ForSession>,
 }
 
 enum State {

@@ -61,7 +61,7 @@ pub(crate) fn tidy(rig: &mut Rig) {
     rig.keyframes.retain(|k| !(k.strokes.is_empty() && k.paint.is_empty() && k.mask.is_none()));
 }
 
-fn facing_in(facing: i32) -> Outcome<Option<Facing>> {
+pub(crate) fn facing_in(facing: i32) -> Outcome<Option<Facing>> {
     match facing {
         MRY_FACING_UNKNOWN => Ok(None),
         MRY_FACING_TOWARD => Ok(Some(Facing::Toward)),

@@ -20,6 +20,7 @@ struct Ids {
     masks: mry_masks,
     creature: mry_creature,
     job: mry_job,
+    session: mry_session,
 }
 
 fn ids(f: &Fixture) -> Ids {
@@ -30,6 +31,7 @@ fn ids(f: &Fixture) -> Ids {
         assert_eq!(status, OK, "{}", text(&err.message));
         assert_eq!(mry_creature_get_masks(f.context, ids.creature, &mut ids.masks, &mut err), OK);
         assert_eq!(mry_job_start_track(f.context, &f.track_desc(), &mut ids.job, &mut err), OK);
+        ids.session = f.session();
     }
     ids
 }
@@ -194,10 +196,52 @@ const CALLS: &[(&str, Has, Run)] = calls! {
     IdAndOut mry_run_track(c, i, o, e, p) => [track(i), o.at()];
     IdAndOut mry_run_segment(c, i, o, e, p) => [segment(i), o.at()];
     IdAndOut mry_run_creature(c, i, o, e, p) => [creature(i), o.at()];
+    Out mry_session_create(c, i, o, e, p) => [str(p), o.at()];
+    Out mry_session_create_untitled(c, i, o, e, p) => [str(p), o.at()];
+    Out mry_session_find_left(c, i, o, e, p) => [str(p), 0, o.at(), 4096, o.at()];
+    Out mry_session_open(c, i, o, e, p) => [str(p), MRY_ACCESS_EDIT, o.at()];
+    Id mry_session_discard(c, i, o, e, p) => [i.session];
+    Id mry_session_save(c, i, o, e, p) => [i.session];
+    Id mry_session_save_as(c, i, o, e, p) => [i.session, str(p)];
+    IdAndOut mry_session_get_state(c, i, o, e, p) => [i.session, o.sized()];
+    IdAndOut mry_session_get_path(c, i, o, e, p) => [i.session, o.at(), 4096, o.at()];
+    IdAndOut mry_session_get_warning(c, i, o, e, p) => [i.session, 0, o.at(), 4096, o.at()];
+    Id mry_session_begin_gesture(c, i, o, e, p) => [i.session, str("draw")];
+    Id mry_session_end_gesture(c, i, o, e, p) => [i.session];
+    Id mry_session_cancel_gesture(c, i, o, e, p) => [i.session];
+    Id mry_session_undo(c, i, o, e, p) => [i.session];
+    Id mry_session_redo(c, i, o, e, p) => [i.session];
+    IdAndOut mry_session_get_undo_label(c, i, o, e, p) => [i.session, o.at(), 4096, o.at()];
+    IdAndOut mry_session_get_redo_label(c, i, o, e, p) => [i.session, o.at(), 4096, o.at()];
+    Id mry_session_set_clip(c, i, o, e, p) => [i.session, i.clip];
+    IdAndOut mry_session_get_clip(c, i, o, e, p) => [i.session, ptr::null(), o.at()];
+    Id mry_session_set_rig(c, i, o, e, p) => [i.session, i.rig];
+    IdAndOut mry_session_get_rig(c, i, o, e, p) => [i.session, o.at()];
+    Id mry_session_set_motion(c, i, o, e, p) => [i.session, i.motion];
+    IdAndOut mry_session_get_motion(c, i, o, e, p) => [i.session, o.at()];
+    IdAndOut mry_session_add_limb(c, i, o, e, p) => [i.session, str("tail"), MRY_SIDE_MID, o.at()];
+    Id mry_session_remove_limb(c, i, o, e, p) => [i.session, 0];
+    Id mry_session_set_limb(c, i, o, e, p) => [i.session, 0, str("trunk"), MRY_SIDE_MID];
+    Id mry_session_set_stroke(c, i, o, e, p) => [i.session, 0, 2, point(), 2, MRY_FACING_TOWARD];
+    Id mry_session_remove_stroke(c, i, o, e, p) => [i.session, 0, 2];
+    Id mry_session_add_paint(c, i, o, e, p) => [i.session, 0, MRY_PAINT_FOREGROUND, 2.0, point(), 2];
+    Id mry_session_remove_paint(c, i, o, e, p) => [i.session, 0, 0];
+    Id mry_session_set_mask(c, i, o, e, p) => [i.session, 3, str("")];
+    Out mry_parameter_get_info(c, i, o, e, p) => [0, o.sized()];
+    Out mry_parameter_get_choice(c, i, o, e, p) => [0, 0, o.at(), 4096, o.at()];
+    Id mry_session_set_parameter(c, i, o, e, p) => [i.session, str("creature.smoothing"), 0.1];
+    Id mry_session_reset_parameter(c, i, o, e, p) => [i.session, str("creature.smoothing")];
+    IdAndOut mry_session_get_parameter(c, i, o, e, p) => [i.session, str("creature.smoothing"), o.at()];
+    IdAndOut mry_session_start_track(c, i, o, e, p) => [i.session, o.at()];
+    IdAndOut mry_session_start_creature(c, i, o, e, p) => [i.session, str(""), o.at()];
+    Id mry_session_take(c, i, o, e, p) => [i.session, i.job];
+    Id mry_session_run_track(c, i, o, e, p) => [i.session];
+    IdAndOut mry_session_run_creature(c, i, o, e, p) => [i.session, str(""), o.at()];
+    IdAndOut mry_session_get_outdated(c, i, o, e, p) => [i.session, 0, o.at(), 4096, o.at()];
 };
 
 /// Functions that destroy, and functions without a context.
-const OTHERS: [&str; 31] = [
+const OTHERS: [&str; 34] = [
     "mry_abi_check",
     "mry_clip_close",
     "mry_clip_info_init",
@@ -221,9 +265,12 @@ const OTHERS: [&str; 31] = [
     "mry_mesh_view_init",
     "mry_motion_destroy",
     "mry_motion_info_init",
+    "mry_parameter_info_init",
     "mry_part_info_init",
     "mry_rig_destroy",
     "mry_segment_desc_init",
+    "mry_session_destroy",
+    "mry_session_state_init",
     "mry_status_text",
     "mry_track_desc_init",
     "mry_unmap",
@@ -279,6 +326,7 @@ fn dead_and_foreign_ids_are_stale_everywhere() {
         mry_masks_destroy(f.context, dead.masks);
         mry_creature_destroy(f.context, dead.creature);
         mry_job_destroy(f.context, dead.job);
+        mry_session_destroy(f.context, dead.session);
     }
     let garbage = Ids {
         clip: mry_clip { v: u64::MAX },
@@ -287,6 +335,7 @@ fn dead_and_foreign_ids_are_stale_everywhere() {
         masks: mry_masks { v: u64::MAX },
         creature: mry_creature { v: u64::MAX },
         job: mry_job { v: u64::MAX },
+        session: mry_session { v: u64::MAX },
     };
     for (name, _, run) in CALLS.iter().filter(|c| c.1 != Has::Out) {
         for (what, ids) in [("null", Ids::default()), ("dead", dead), ("foreign", ids), ("garbage", garbage)] {
@@ -311,6 +360,7 @@ fn destroying_nothing_is_no_error_and_destroying_twice_is_one() {
         assert_eq!(mry_masks_destroy(c, mry_masks::default()), OK);
         assert_eq!(mry_creature_destroy(c, mry_creature::default()), OK);
         assert_eq!(mry_job_destroy(c, mry_job::default()), OK);
+        assert_eq!(mry_session_destroy(c, mry_session::default()), OK);
         assert_eq!(mry_context_destroy(ptr::null_mut()), OK);
         assert_eq!((mry_clip_close(c, i.clip), mry_clip_close(c, i.clip)), (OK, code(MRY_E_STALE)));
         assert_eq!((mry_rig_destroy(c, i.rig), mry_rig_destroy(c, i.rig)), (OK, code(MRY_E_STALE)));

@@ -87,6 +87,8 @@
 #define MRY_SEGMENT_DESC_INIT { (uint32_t)sizeof(mry_segment_desc), 0, { 0 }, { 0 }, { 0 }, { NULL, 0 }, { NULL, 0 }, { NULL, 0 } }
 #define MRY_CREATURE_DESC_INIT { (uint32_t)sizeof(mry_creature_desc), 0, { 0 }, { 0 }, { NULL, 0 }, { NULL, 0 }, { NULL, 0 } }
 #define MRY_EXPORT_DESC_INIT { (uint32_t)sizeof(mry_export_desc), 0, { 0 }, { NULL, 0 }, 0, 0.0f }
+#define MRY_SESSION_STATE_INIT { (uint32_t)sizeof(mry_session_state), 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0 }
+#define MRY_PARAMETER_INFO_INIT { (uint32_t)sizeof(mry_parameter_info), 0, 0.0, 0.0, 0.0, 0, 0, { 0 }, { 0 } }
 
 
 /** Log level: a contained defect of the library. */
@@ -157,6 +159,24 @@
 
 /** Export: the folder with everything, as mry_creature_write_folder. */
 #define MRY_EXPORT_FOLDER 5
+
+/** Access to a session file: to edit it; no other program may. */
+#define MRY_ACCESS_EDIT 0
+
+/** Access to a session file: to read it, whoever edits it. */
+#define MRY_ACCESS_READ_ONLY 1
+
+/** Kind of a parameter: any number from low to high. */
+#define MRY_PARAMETER_NUMBER 0
+
+/** Kind of a parameter: a whole number from low to high. */
+#define MRY_PARAMETER_WHOLE 1
+
+/** Kind of a parameter: a switch, 0 or 1. */
+#define MRY_PARAMETER_SWITCH 2
+
+/** Kind of a parameter: one of choice_count names, by its index. */
+#define MRY_PARAMETER_CHOICE 3
 
 /** The values of mry_status, errors in blocks of a hundred by whose they are. */
 typedef enum mry_status_code {
@@ -629,6 +649,76 @@ typedef struct mry_export_desc {
   /** Metres a world unit in glTF; 0 for 1. */
   float scale;
 } mry_export_desc;
+
+/** How a session is. */
+typedef struct mry_session_state {
+  /** sizeof(mry_session_state). */
+  uint32_t struct_size;
+  /** 1 when the file lacks anything that the session has. */
+  uint32_t modified;
+  /** 1 when it can only be read. */
+  uint32_t read_only;
+  /** 1 when the user never gave it a name. */
+  uint32_t untitled;
+  /** 1 while a gesture is in progress. */
+  uint32_t in_gesture;
+  /** 1 when there is a step to undo. */
+  uint32_t can_undo;
+  /** 1 when there is a step to redo. */
+  uint32_t can_redo;
+  /** 1 when there is a clip. */
+  uint32_t has_clip;
+  /** 1 when there is a motion. */
+  uint32_t has_motion;
+  /** 1 when a limb was never tracked, or was tracked from other inputs; mry_session_get_outdated has the frames. */
+  uint32_t motion_outdated;
+  /** 1 when no creature was made since the session was opened, or it was made from other inputs. */
+  uint32_t creature_outdated;
+  /** How many warnings mry_session_get_warning has. */
+  uint32_t warning_count;
+  /** How many gestures that were never saved opening it brought back. */
+  uint64_t recovered_count;
+  /** How many gestures were finished since the session was made; undo and redo are gestures too. */
+  uint64_t gesture_count;
+  /** Rises with every change, those of a gesture in progress included. */
+  uint64_t revision;
+} mry_session_state;
+
+/** A session. */
+typedef struct mry_session {
+  /** The id; 0 is no session. */
+  uint64_t v;
+} mry_session;
+
+/** What a parameter is. */
+typedef struct mry_parameter_info {
+  /** sizeof(mry_parameter_info). */
+  uint32_t struct_size;
+  /** MRY_PARAMETER_NUMBER, ...; accept ones you do not know. */
+  int32_t kind;
+  /** The least value. */
+  double low;
+  /** The greatest value. */
+  double high;
+  /** The value where none is chosen. */
+  double default_value;
+  /** How many names mry_parameter_get_choice has. */
+  uint32_t choice_count;
+  /** Zero. */
+  uint32_t reserved0;
+  /** Its name for ever, such as "creature.smoothing"; NUL-terminated. */
+  char name[48];
+  /** What it does, a sentence in English; NUL-terminated. */
+  char about[136];
+} mry_parameter_info;
+
+/** Frames one after another. */
+typedef struct mry_frame_range {
+  /** The first. */
+  uint64_t first;
+  /** How many. */
+  uint64_t count;
+} mry_frame_range;
 
 #ifdef __cplusplus
 extern "C" {
@@ -2581,6 +2671,879 @@ MRY_API
 mry_status mry_run_export(mry_context *context,
                           const mry_export_desc *desc,
                           mry_error *err);
+
+/** @} */
+
+/**
+ * @defgroup session Sessions
+ *
+ * Sessions. A session is the document that a host edits: a clip by reference, the rig drawn on it, chosen parameters,
+ * and the motion that was tracked. It undoes without an end, and it is safe: an edit of a session with a file is on
+ * the disk before the call returns, and a crash loses at most the gesture in progress.
+ *
+ * A session file names its clip by a path relative to it, and tells when another clip lies there. Damage to the file
+ * costs what it touches; mry_session_get_warning says what that is. One program at a time edits a session.
+ * @{
+ */
+
+/**
+ * Fills in a session state with struct_size set and everything else zero, for languages without the INIT macros.
+ *
+ * @param state  Where to write; NULL does nothing.
+ * @param size   sizeof(mry_session_state) as the caller knows it.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+void mry_session_state_init(mry_session_state *state,
+                            uint32_t size);
+
+/**
+ * Creates an empty session.
+ *
+ * @param context      The context.
+ * @param path         A new file for it; empty to keep it in memory only until mry_session_save_as.
+ * @param out_session  The session.
+ * @param err          Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_INPUT (the file exists, or another program edits it), MRY_E_NO_FILE, MRY_E_IO, MRY_E_STRING.
+ * Lifetime: until mry_session_destroy or the end of the context.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_session_create(mry_context *context,
+                              mry_str path,
+                              mry_session *out_session,
+                              mry_error *err);
+
+/**
+ * Creates an empty session that the user has not named yet, in a folder of the host's, so that a crash does not lose
+ * it. mry_session_save_as moves it to its name, mry_session_discard removes it.
+ *
+ * @param context      The context.
+ * @param folder       Where it is kept until then; it must exist.
+ * @param out_session  The session.
+ * @param err          Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_NO_FILE, MRY_E_IO, MRY_E_STRING, MRY_E_ARGUMENT.
+ * Lifetime: until mry_session_destroy or the end of the context.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_session_create_untitled(mry_context *context,
+                                       mry_str folder,
+                                       mry_session *out_session,
+                                       mry_error *err);
+
+/**
+ * One of the sessions without a name that a crash left in a folder: offer them to the user, then open them or remove
+ * the files. Those that a program is editing are left out.
+ *
+ * @param context   The context.
+ * @param folder    The folder that mry_session_create_untitled was given.
+ * @param index     Which, counted from 0.
+ * @param path      Where its path goes, UTF-8 with a NUL; NULL with capacity 0 to ask for the size.
+ * @param capacity  Bytes at path.
+ * @param out_size  Bytes needed, with the NUL.
+ * @param err       Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_NOT_FOUND (there are no more), MRY_E_BUFFER_TOO_SMALL, MRY_E_NO_FILE, MRY_E_IO, MRY_E_STRING,
+ *         MRY_E_ARGUMENT.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_session_find_left(mry_context *context,
+                                 mry_str folder,
+                                 uint32_t index,
+                                 char *path,
+                                 size_t capacity,
+                                 size_t *out_size,
+                                 mry_error *err);
+
+/**
+ * Opens a session file, with every gesture that was finished since its last save. Reads all of the clip that it
+ * refers to, to tell whether it is still the same. Warnings say what was damaged, lost or not found.
+ *
+ * @param context      The context.
+ * @param path         The file.
+ * @param access       MRY_ACCESS_EDIT, ...
+ * @param out_session  The session.
+ * @param err          Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_NO_FILE, MRY_E_INPUT (no session, of a newer version, or edited by another program),
+ *         MRY_E_LIMIT, MRY_E_IO, MRY_E_STRING, MRY_E_ARGUMENT.
+ * Lifetime: until mry_session_destroy or the end of the context.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_session_open(mry_context *context,
+                            mry_str path,
+                            int32_t access,
+                            mry_session *out_session,
+                            mry_error *err);
+
+/**
+ * Closes a session. What was not saved stays in its journal and is there when the file is opened again; a gesture in
+ * progress is gone.
+ *
+ * @param context  The context.
+ * @param session  The session; {0} is no error.
+ * @return MRY_OK.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_session_destroy(mry_context *context,
+                               mry_session session);
+
+/**
+ * Drops what was not saved: the file is as it was saved last; of a session without a name nothing stays. The session
+ * is then empty, without a file, and still to be destroyed.
+ *
+ * @param context  The context.
+ * @param session  The session.
+ * @param err      Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_IO, MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_session_discard(mry_context *context,
+                               mry_session session,
+                               mry_error *err);
+
+/**
+ * Saves a session to its file, whole or not at all; it is on the disk when the call returns.
+ *
+ * @param context  The context.
+ * @param session  The session.
+ * @param err      Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_INPUT (it has no file, is read-only, or a gesture is in progress), MRY_E_IO, MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_session_save(mry_context *context,
+                            mry_session session,
+                            mry_error *err);
+
+/**
+ * Saves a session under another name, over what is there, and goes on with that file. The old file is as it was saved
+ * last; that of a session without a name is gone.
+ *
+ * @param context  The context.
+ * @param session  The session.
+ * @param path     The file, in a folder that exists.
+ * @param err      Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_INPUT (another program edits that file, or a gesture is in progress), MRY_E_NO_FILE, MRY_E_IO,
+ *         MRY_E_STRING, MRY_E_ARGUMENT, MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_session_save_as(mry_context *context,
+                               mry_session session,
+                               mry_str path,
+                               mry_error *err);
+
+/**
+ * How a session is.
+ *
+ * @param context    The context.
+ * @param session    The session.
+ * @param out_state  The answer; its struct_size must be set.
+ * @param err        Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_STRUCT_SIZE, MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_session_get_state(mry_context *context,
+                                 mry_session session,
+                                 mry_session_state *out_state,
+                                 mry_error *err);
+
+/**
+ * Where a session is kept.
+ *
+ * @param context   The context.
+ * @param session   The session.
+ * @param path      Where the path goes, UTF-8 with a NUL; NULL with capacity 0 to ask for the size.
+ * @param capacity  Bytes at path.
+ * @param out_size  Bytes needed, with the NUL.
+ * @param err       Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_NOT_FOUND (it is kept in memory only), MRY_E_BUFFER_TOO_SMALL, MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_session_get_path(mry_context *context,
+                                mry_session session,
+                                char *path,
+                                size_t capacity,
+                                size_t *out_size,
+                                mry_error *err);
+
+/**
+ * One thing that opening the session found damaged, lost or not there, such as its clip.
+ *
+ * @param context   The context.
+ * @param session   The session.
+ * @param index     Which, below warning_count.
+ * @param text      Where the text goes, UTF-8 with a NUL; NULL with capacity 0 to ask for the size.
+ * @param capacity  Bytes at text.
+ * @param out_size  Bytes needed, with the NUL.
+ * @param err       Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_NOT_FOUND (index), MRY_E_BUFFER_TOO_SMALL, MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_session_get_warning(mry_context *context,
+                                   mry_session session,
+                                   uint32_t index,
+                                   char *text,
+                                   size_t capacity,
+                                   size_t *out_size,
+                                   mry_error *err);
+
+/** @} */
+
+/**
+ * @defgroup gesture Gestures
+ *
+ * Gestures. What a person does in one go, such as drawing a stroke or dragging a slider, is one gesture and one step
+ * of undo, however many edits it takes. An edit outside of a gesture is one of its own. A finished gesture is on the
+ * disk when the call that finishes it returns; one that cannot be written is taken back, and the call says why.
+ * @{
+ */
+
+/**
+ * Begins a gesture.
+ *
+ * @param context  The context.
+ * @param session  The session.
+ * @param label    What it does, for a menu: "draw the tail".
+ * @param err      Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_INPUT (one is in progress, or the session is read-only), MRY_E_STRING, MRY_E_ARGUMENT,
+ *         MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_session_begin_gesture(mry_context *context,
+                                     mry_session session,
+                                     mry_str label,
+                                     mry_error *err);
+
+/**
+ * Ends a gesture. One that changed nothing leaves no step.
+ *
+ * @param context  The context.
+ * @param session  The session.
+ * @param err      Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_INPUT (none is in progress), MRY_E_IO (it is taken back), MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_session_end_gesture(mry_context *context,
+                                   mry_session session,
+                                   mry_error *err);
+
+/**
+ * Takes the gesture in progress back.
+ *
+ * @param context  The context.
+ * @param session  The session.
+ * @param err      Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_INPUT (none is in progress), MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_session_cancel_gesture(mry_context *context,
+                                      mry_session session,
+                                      mry_error *err);
+
+/**
+ * Takes the last step back. There is no end to it while the session is open.
+ *
+ * @param context  The context.
+ * @param session  The session.
+ * @param err      Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_NOT_FOUND (there is no step), MRY_E_INPUT (a gesture is in progress, or the session is
+ *         read-only), MRY_E_IO, MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_session_undo(mry_context *context,
+                            mry_session session,
+                            mry_error *err);
+
+/**
+ * Does the last step that was taken back again.
+ *
+ * @param context  The context.
+ * @param session  The session.
+ * @param err      Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_NOT_FOUND (there is no step), MRY_E_INPUT (a gesture is in progress, or the session is
+ *         read-only), MRY_E_IO, MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_session_redo(mry_context *context,
+                            mry_session session,
+                            mry_error *err);
+
+/**
+ * What mry_session_undo would take back, for a menu.
+ *
+ * @param context   The context.
+ * @param session   The session.
+ * @param label     Where the label goes, UTF-8 with a NUL; NULL with capacity 0 to ask for the size.
+ * @param capacity  Bytes at label.
+ * @param out_size  Bytes needed, with the NUL.
+ * @param err       Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_NOT_FOUND (there is no step), MRY_E_BUFFER_TOO_SMALL, MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_session_get_undo_label(mry_context *context,
+                                      mry_session session,
+                                      char *label,
+                                      size_t capacity,
+                                      size_t *out_size,
+                                      mry_error *err);
+
+/**
+ * What mry_session_redo would do again, for a menu.
+ *
+ * @param context   The context.
+ * @param session   The session.
+ * @param label     Where the label goes, UTF-8 with a NUL; NULL with capacity 0 to ask for the size.
+ * @param capacity  Bytes at label.
+ * @param out_size  Bytes needed, with the NUL.
+ * @param err       Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_NOT_FOUND (there is no step), MRY_E_BUFFER_TOO_SMALL, MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_session_get_redo_label(mry_context *context,
+                                      mry_session session,
+                                      char *label,
+                                      size_t capacity,
+                                      size_t *out_size,
+                                      mry_error *err);
+
+/** @} */
+
+/**
+ * @defgroup session_media Session contents
+ *
+ * Session contents. The clip, the rig and the motion of a session, whole: taken in as a step of undo, given out as
+ * objects of their own that later edits leave alone.
+ * @{
+ */
+
+/**
+ * Chooses the clip of a session, by reference: the session keeps its path, and reads all of it to know it again. As
+ * long as nothing is drawn, the rig takes its size.
+ *
+ * @param context  The context.
+ * @param session  The session.
+ * @param clip     A clip that was opened from a file or folder; {0} for none.
+ * @param err      Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_NO_FILE, MRY_E_INPUT (its path is not UTF-8, or the session is read-only), MRY_E_IO,
+ *         MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_session_set_clip(mry_context *context,
+                                mry_session session,
+                                mry_clip clip,
+                                mry_error *err);
+
+/**
+ * The clip of a session, opened where it is not open yet.
+ *
+ * @param context   The context.
+ * @param session   The session.
+ * @param options   How to open it; NULL for the defaults. Left out of account where it is open already.
+ * @param out_clip  The clip.
+ * @param err       Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_NOT_FOUND (there is none), what mry_clip_open returns, MRY_E_BUSY.
+ * Lifetime: until mry_clip_close or the end of the context.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_session_get_clip(mry_context *context,
+                                mry_session session,
+                                const mry_clip_options *options,
+                                mry_clip *out_clip,
+                                mry_error *err);
+
+/**
+ * Replaces everything that is drawn in a session.
+ *
+ * @param context  The context.
+ * @param session  The session.
+ * @param rig      The rig, which is copied; it may be incomplete.
+ * @param err      Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_INPUT (the rig is not sound, or the session is read-only), MRY_E_LIMIT, MRY_E_IO, MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_session_set_rig(mry_context *context,
+                               mry_session session,
+                               mry_rig rig,
+                               mry_error *err);
+
+/**
+ * A copy of what is drawn in a session.
+ *
+ * @param context  The context.
+ * @param session  The session.
+ * @param out_rig  The rig.
+ * @param err      Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_BUSY.
+ * Lifetime: until mry_rig_destroy or the end of the context.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_session_get_rig(mry_context *context,
+                               mry_session session,
+                               mry_rig *out_rig,
+                               mry_error *err);
+
+/**
+ * Gives a session a motion from elsewhere, as if it had been tracked from what is drawn now; or takes its motion
+ * away.
+ *
+ * @param context  The context.
+ * @param session  The session.
+ * @param motion   The motion, with one track a limb in the rig's order; {0} for none.
+ * @param err      Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_INPUT (the motion is not of this rig, or the session is read-only), MRY_E_IO, MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_session_set_motion(mry_context *context,
+                                  mry_session session,
+                                  mry_motion motion,
+                                  mry_error *err);
+
+/**
+ * The motion of a session, up to date or not.
+ *
+ * @param context     The context.
+ * @param session     The session.
+ * @param out_motion  The motion.
+ * @param err         Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_NOT_FOUND (there is none), MRY_E_BUSY.
+ * Lifetime: until mry_motion_destroy or the end of the context.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_session_get_motion(mry_context *context,
+                                  mry_session session,
+                                  mry_motion *out_motion,
+                                  mry_error *err);
+
+/** @} */
+
+/**
+ * @defgroup drawing Drawing
+ *
+ * Drawing. Edits of what is drawn in a session. Each is a gesture of its own, or part of the one in progress; one that
+ * fails changes nothing. Limbs count from 0 in the rig's order. mry_session_get_rig gives what is drawn.
+ * @{
+ */
+
+/**
+ * Adds a limb behind the others, without a stroke yet.
+ *
+ * @param context   The context.
+ * @param session   The session.
+ * @param label     Its name, unique in the rig.
+ * @param side      MRY_SIDE_UNKNOWN, ...
+ * @param out_limb  Its index.
+ * @param err       Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_INPUT (the label is in use, or the session is read-only), MRY_E_ARGUMENT, MRY_E_STRING,
+ *         MRY_E_LIMIT, MRY_E_IO, MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_session_add_limb(mry_context *context,
+                                mry_session session,
+                                mry_str label,
+                                int32_t side,
+                                uint32_t *out_limb,
+                                mry_error *err);
+
+/**
+ * Removes a limb with its strokes; the indices of those behind it go down.
+ *
+ * @param context  The context.
+ * @param session  The session.
+ * @param limb     Its index.
+ * @param err      Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_ARGUMENT (limb), MRY_E_INPUT (the session is read-only), MRY_E_IO, MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_session_remove_limb(mry_context *context,
+                                   mry_session session,
+                                   uint32_t limb,
+                                   mry_error *err);
+
+/**
+ * Gives a limb another label and side. Its track, where it has one, goes with the label.
+ *
+ * @param context  The context.
+ * @param session  The session.
+ * @param limb     Its index.
+ * @param label    Its name, unique in the rig.
+ * @param side     MRY_SIDE_UNKNOWN, ...
+ * @param err      Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_INPUT (the label is in use, or the session is read-only), MRY_E_ARGUMENT, MRY_E_STRING,
+ *         MRY_E_IO, MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_session_set_limb(mry_context *context,
+                                mry_session session,
+                                uint32_t limb,
+                                mry_str label,
+                                int32_t side,
+                                mry_error *err);
+
+/**
+ * Draws a limb on a frame, which becomes a key frame; an earlier stroke of the limb there is replaced.
+ *
+ * @param context      The context.
+ * @param session      The session.
+ * @param limb         Its index.
+ * @param frame        The frame, counted from 0.
+ * @param points       The stroke, from the limb's start to its end; it may leave the image.
+ * @param point_count  2 to 10000.
+ * @param facing       MRY_FACING_UNKNOWN, ...
+ * @param err          Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_INPUT (the points make no stroke, or the session is read-only), MRY_E_ARGUMENT (limb, frame,
+ *         facing), MRY_E_NON_FINITE, MRY_E_LIMIT, MRY_E_IO, MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_session_set_stroke(mry_context *context,
+                                  mry_session session,
+                                  uint32_t limb,
+                                  uint64_t frame,
+                                  const mry_point *points,
+                                  size_t point_count,
+                                  int32_t facing,
+                                  mry_error *err);
+
+/**
+ * Takes a limb's stroke off a frame.
+ *
+ * @param context  The context.
+ * @param session  The session.
+ * @param limb     Its index.
+ * @param frame    The frame; one on which it is not drawn is no error.
+ * @param err      Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_ARGUMENT (limb), MRY_E_INPUT (the session is read-only), MRY_E_IO, MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_session_remove_stroke(mry_context *context,
+                                     mry_session session,
+                                     uint32_t limb,
+                                     uint64_t frame,
+                                     mry_error *err);
+
+/**
+ * Paints a hint for the segmenter on a frame: what is along the path is the creature's, or is not.
+ *
+ * @param context      The context.
+ * @param session      The session.
+ * @param frame        The frame, counted from 0.
+ * @param kind         MRY_PAINT_FOREGROUND or MRY_PAINT_BACKGROUND.
+ * @param radius       The brush's radius in clip pixels, above 0.
+ * @param points       The brush's path.
+ * @param point_count  1 to 10000.
+ * @param err          Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_INPUT (the points make no path, or the session is read-only), MRY_E_ARGUMENT (kind, radius),
+ *         MRY_E_NON_FINITE, MRY_E_LIMIT, MRY_E_IO, MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_session_add_paint(mry_context *context,
+                                 mry_session session,
+                                 uint64_t frame,
+                                 int32_t kind,
+                                 float radius,
+                                 const mry_point *points,
+                                 size_t point_count,
+                                 mry_error *err);
+
+/**
+ * Removes one painted hint of a frame; the indices of those behind it go down.
+ *
+ * @param context  The context.
+ * @param session  The session.
+ * @param frame    The frame.
+ * @param index    Which, in the order they were painted.
+ * @param err      Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_INPUT (there is no such hint, or the session is read-only), MRY_E_IO, MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_session_remove_paint(mry_context *context,
+                                    mry_session session,
+                                    uint64_t frame,
+                                    uint32_t index,
+                                    mry_error *err);
+
+/**
+ * Gives the whole mask of a frame as an image file, painted by a person: bright is the creature.
+ *
+ * @param context  The context.
+ * @param session  The session.
+ * @param frame    The frame, counted from 0.
+ * @param path     An 8-bit image of the clip's size, read when a job needs it; empty to take the mask off.
+ * @param err      Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_INPUT (the session is read-only), MRY_E_STRING, MRY_E_ARGUMENT, MRY_E_LIMIT, MRY_E_IO,
+ *         MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_session_set_mask(mry_context *context,
+                                mry_session session,
+                                uint64_t frame,
+                                mry_str path,
+                                mry_error *err);
+
+/** @} */
+
+/**
+ * @defgroup parameter Parameters
+ *
+ * Parameters. What can be chosen about tracking, segmenting, reconstructing and exporting, as a table with bounds
+ * that a host can show without knowing any of them. A session keeps what was chosen otherwise than by default.
+ * @{
+ */
+
+/**
+ * Fills in a parameter info with struct_size set and everything else zero, for languages without the INIT macros.
+ *
+ * @param info  Where to write; NULL does nothing.
+ * @param size  sizeof(mry_parameter_info) as the caller knows it.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+void mry_parameter_info_init(mry_parameter_info *info,
+                             uint32_t size);
+
+/**
+ * One of the parameters, in the order in which to show them.
+ *
+ * @param context   The context.
+ * @param index     Which, counted from 0.
+ * @param out_info  The answer; its struct_size must be set.
+ * @param err       Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_NOT_FOUND (there are no more), MRY_E_STRUCT_SIZE.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_parameter_get_info(mry_context *context,
+                                  uint32_t index,
+                                  mry_parameter_info *out_info,
+                                  mry_error *err);
+
+/**
+ * The name of one of the values of a choice.
+ *
+ * @param context   The context.
+ * @param index     Which parameter.
+ * @param choice    Which value, below choice_count.
+ * @param text      Where the name goes, UTF-8 with a NUL; NULL with capacity 0 to ask for the size.
+ * @param capacity  Bytes at text.
+ * @param out_size  Bytes needed, with the NUL.
+ * @param err       Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_NOT_FOUND (index, choice), MRY_E_BUFFER_TOO_SMALL.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_parameter_get_choice(mry_context *context,
+                                    uint32_t index,
+                                    uint32_t choice,
+                                    char *text,
+                                    size_t capacity,
+                                    size_t *out_size,
+                                    mry_error *err);
+
+/**
+ * Chooses the value of a parameter in a session; within a gesture only the last value of it counts.
+ *
+ * @param context  The context.
+ * @param session  The session.
+ * @param name     The parameter's name.
+ * @param value    A number within its bounds; 0 or 1 of a switch; the index of a choice.
+ * @param err      Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_NOT_FOUND (name), MRY_E_ARGUMENT (value), MRY_E_NON_FINITE, MRY_E_STRING,
+ *         MRY_E_INPUT (the session is read-only), MRY_E_IO, MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_session_set_parameter(mry_context *context,
+                                     mry_session session,
+                                     mry_str name,
+                                     double value,
+                                     mry_error *err);
+
+/**
+ * Gives a parameter its default value again.
+ *
+ * @param context  The context.
+ * @param session  The session.
+ * @param name     The parameter's name.
+ * @param err      Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_NOT_FOUND (name), MRY_E_STRING, MRY_E_INPUT (the session is read-only), MRY_E_IO, MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_session_reset_parameter(mry_context *context,
+                                       mry_session session,
+                                       mry_str name,
+                                       mry_error *err);
+
+/**
+ * The value of a parameter in a session, chosen or by default.
+ *
+ * @param context    The context.
+ * @param session    The session.
+ * @param name       The parameter's name.
+ * @param out_value  As mry_session_set_parameter takes it.
+ * @param err        Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_NOT_FOUND (name), MRY_E_STRING, MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_session_get_parameter(mry_context *context,
+                                     mry_session session,
+                                     mry_str name,
+                                     double *out_value,
+                                     mry_error *err);
+
+/** @} */
+
+/**
+ * @defgroup session_jobs Session jobs
+ *
+ * Session jobs. Tracking a session and making its creature, with the parameters chosen in it. A job works on the
+ * session as it is when the job starts; mry_session_take takes its motion in as one step of undo, whatever was edited
+ * meanwhile. Results are compared by what they were made of: an edit that is undone puts nothing out of date.
+ * @{
+ */
+
+/**
+ * Starts tracking a session. Gives a motion.
+ *
+ * @param context  The context.
+ * @param session  The session.
+ * @param out_job  The job, to be taken in by mry_session_take.
+ * @param err      Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_NOT_FOUND (there is no clip), MRY_E_INPUT (the rig is not valid for the clip), what
+ *         mry_clip_open returns, MRY_E_BUSY.
+ * Lifetime: until mry_job_destroy or the end of the context; the session may be edited and go before.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_session_start_track(mry_context *context,
+                                   mry_session session,
+                                   mry_job *out_job,
+                                   mry_error *err);
+
+/**
+ * Starts making the creature of a session: track, segment, reconstruct, and write into a folder where one is given,
+ * as the export parameters say. Gives a motion, masks and a creature.
+ *
+ * @param context  The context.
+ * @param session  The session.
+ * @param folder   Where to write everything, see mry_creature_write_folder; empty for nowhere.
+ * @param out_job  The job, to be taken in by mry_session_take.
+ * @param err      Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_NOT_FOUND (there is no clip), MRY_E_INPUT (the rig is not valid for the clip), what
+ *         mry_clip_open returns, MRY_E_BUSY.
+ * Lifetime: until mry_job_destroy or the end of the context; the session may be edited and go before.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_session_start_creature(mry_context *context,
+                                      mry_session session,
+                                      mry_str folder,
+                                      mry_job *out_job,
+                                      mry_error *err);
+
+/**
+ * Takes what a job made into the session that it was started from, as one step of undo; once. The mry_job_take
+ * functions give the same results to the host.
+ *
+ * @param context  The context.
+ * @param session  The session.
+ * @param job      The job.
+ * @param err      Detail of the job's or the call's failure, or NULL.
+ * @return MRY_OK; MRY_PENDING and MRY_CANCELLED (nothing is taken), the error the job ended with, MRY_E_TAKEN,
+ *         MRY_E_KIND (not a session's job), MRY_E_ARGUMENT (another session's), MRY_E_IO, MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_session_take(mry_context *context,
+                            mry_session session,
+                            mry_job job,
+                            mry_error *err);
+
+/**
+ * Tracks a session, takes the motion in, and returns when it is done. Work that was started before comes first.
+ *
+ * @param context  The context.
+ * @param session  The session.
+ * @param err      Detail of a failure, or NULL.
+ * @return MRY_OK; what mry_session_start_track, mry_job_wait and mry_session_take return.
+ * Thread: [outside-callbacks]. Since 0.1.
+ */
+MRY_API
+mry_status mry_session_run_track(mry_context *context,
+                                 mry_session session,
+                                 mry_error *err);
+
+/**
+ * Makes the creature of a session, takes its motion in, and returns when it is done. Work that was started before
+ * comes first.
+ *
+ * @param context       The context.
+ * @param session       The session.
+ * @param folder        Where to write everything, see mry_creature_write_folder; empty for nowhere.
+ * @param out_creature  The creature.
+ * @param err           Detail of a failure, or NULL.
+ * @return MRY_OK; what mry_session_start_creature, mry_job_wait and mry_session_take return.
+ * Lifetime: until mry_creature_destroy or the end of the context.
+ * Thread: [outside-callbacks]. Since 0.1.
+ */
+MRY_API
+mry_status mry_session_run_creature(mry_context *context,
+                                    mry_session session,
+                                    mry_str folder,
+                                    mry_creature *out_creature,
+                                    mry_error *err);
+
+/**
+ * The frames in which a limb's track is out of date: never tracked, or tracked from other inputs. The key frames
+ * around a change still hold. Limbs that are joined to this one may follow it.
+ *
+ * @param context    The context.
+ * @param session    The session.
+ * @param limb       Its index.
+ * @param ranges     Where the ranges go, rising and apart; NULL with capacity 0 to ask for their count.
+ * @param capacity   Ranges at ranges.
+ * @param out_count  How many there are; 0 for a limb that is up to date.
+ * @param err        Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_ARGUMENT (limb), MRY_E_BUFFER_TOO_SMALL, MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_session_get_outdated(mry_context *context,
+                                    mry_session session,
+                                    uint32_t limb,
+                                    mry_frame_range *ranges,
+                                    size_t capacity,
+                                    size_t *out_count,
+                                    mry_error *err);
 
 /** @} */
 

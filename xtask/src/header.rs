@@ -14,7 +14,7 @@ use cbindgen::{Builder, Config, DocumentationStyle, EnumConfig, ExportConfig, Fu
 use crate::shell::{root, say};
 
 /// The files of ffi/src in the order a reader meets them.
-const FILES: [&str; 27] = [
+const FILES: [&str; 33] = [
     "version.rs",
     "status.rs",
     "string.rs",
@@ -42,6 +42,12 @@ const FILES: [&str; 27] = [
     "segmenting.rs",
     "reconstructing.rs",
     "exporting.rs",
+    "session.rs",
+    "gesture.rs",
+    "session_media.rs",
+    "drawing.rs",
+    "parameter.rs",
+    "session_jobs.rs",
 ];
 
 const PREAMBLE: &str = "\

@@ -1,5 +1,5 @@
-//! The document that a host edits: a clip by reference, the rig drawn on it, chosen parameters, and the motion that was
-//! tracked.
+//! The document that a host edits: a clip by reference, the rig drawn on it, chosen parameters, and the motion that
+//! was tracked.
 //!
 //! Edits come in gestures: what a person does in one go, such as drawing a stroke or dragging a slider, and takes back
 //! in one go. There is no end to undo. A session with a file is always safe: a finished gesture is on the disk before

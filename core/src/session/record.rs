@@ -1,8 +1,8 @@
 //! Records: lines that prove themselves whole. Session files and journals are made of them.
 //!
-//! A record is `LENGTH CRC TEXT` and a line feed: the text's bytes in decimal, their CRC-32 in eight hexadecimal digits,
-//! and the text, which is JSON on one line. A reader that meets a damaged line goes on at the next line feed, so damage
-//! costs the records it touches and no others. CRC-32 finds accidents, not forgery.
+//! A record is `LENGTH CRC TEXT` and a line feed: the text's bytes in decimal, their CRC-32 in eight hexadecimal
+//! digits, and the text, which is JSON on one line. A reader that meets a damaged line goes on at the next line feed,
+//! so damage costs the records it touches and no others. CRC-32 finds accidents, not forgery.
 
 use serde::Serialize;
 

@@ -115,6 +115,18 @@ impl Fixture {
         rig
     }
 
+    /// A session in memory, with the small clip and its rig.
+    pub(crate) fn session(&self) -> mry_session {
+        let (mut session, mut err) = (mry_session::default(), error());
+        unsafe {
+            assert_eq!(mry_session_create(self.context, str(""), &mut session, &mut err), OK);
+            let status = mry_session_set_clip(self.context, session, self.clip(), &mut err);
+            assert_eq!(status, OK, "{}", text(&err.message));
+            assert_eq!(mry_session_set_rig(self.context, session, self.rig(), &mut err), OK);
+        }
+        session
+    }
+
     pub(crate) fn track_desc(&self) -> mry_track_desc {
         let mut desc = zeroed_track();
         (desc.clip, desc.rig) = (self.clip(), self.rig());

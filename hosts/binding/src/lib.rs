@@ -24,7 +24,9 @@ mod error;
 mod job;
 mod masks;
 mod motion;
+mod parameter;
 mod rig;
+mod session;
 mod sys;
 
 pub use clip::{Clip, ClipInfo};
@@ -34,7 +36,9 @@ pub use error::{Error, Result, Status};
 pub use job::{CreatureOptions, Job, JobState, SegmentOptions, TrackOptions};
 pub use masks::Masks;
 pub use motion::{Correction, Motion, MotionInfo, TrackFrame};
+pub use parameter::{Parameter, ParameterKind};
 pub use rig::{Facing, Rig, Side};
+pub use session::{Access, Session, SessionState};
 
 /// The library's version, such as "0.1.0".
 pub fn version() -> &'static str {

@@ -38,6 +38,27 @@ pub enum Facing {
     Away,
 }
 
+impl Side {
+    pub(crate) fn code(self) -> i32 {
+        match self {
+            Self::Unknown => MRY_SIDE_UNKNOWN,
+            Self::Near => MRY_SIDE_NEAR,
+            Self::Far => MRY_SIDE_FAR,
+            Self::Mid => MRY_SIDE_MID,
+        }
+    }
+}
+
+impl Facing {
+    pub(crate) fn code(self) -> i32 {
+        match self {
+            Self::Unknown => MRY_FACING_UNKNOWN,
+            Self::Toward => MRY_FACING_TOWARD,
+            Self::Away => MRY_FACING_AWAY,
+        }
+    }
+}
+
 impl Rig {
     /// The text of a strokes.json.
     pub fn to_json(&self) -> Result<String> {
@@ -56,24 +77,13 @@ impl Rig {
 
     /// Adds a limb; gives its index.
     pub fn add_limb(&self, label: &str, side: Side) -> Result<u32> {
-        let side = match side {
-            Side::Unknown => MRY_SIDE_UNKNOWN,
-            Side::Near => MRY_SIDE_NEAR,
-            Side::Far => MRY_SIDE_FAR,
-            Side::Mid => MRY_SIDE_MID,
-        };
-        sys::rig_add_limb(&self.context.0, self.id, label, side)
+        sys::rig_add_limb(&self.context.0, self.id, label, side.code())
     }
 
     /// Draws a limb on a frame, in clip pixels, instead of what was drawn of it there before.
     pub fn set_stroke(&self, limb: u32, frame: u64, points: &[(f32, f32)], facing: Facing) -> Result<()> {
         let points: Vec<mry_point> = points.iter().map(|&(x, y)| mry_point { x, y }).collect();
-        let facing = match facing {
-            Facing::Unknown => MRY_FACING_UNKNOWN,
-            Facing::Toward => MRY_FACING_TOWARD,
-            Facing::Away => MRY_FACING_AWAY,
-        };
-        sys::rig_set_stroke(&self.context.0, self.id, limb, frame, &points, facing)
+        sys::rig_set_stroke(&self.context.0, self.id, limb, frame, &points, facing.code())
     }
 
     /// Takes a limb's stroke off a frame.

@@ -77,6 +77,9 @@ macro_rules! call {
     }};
 }
 
+mod session;
+pub(crate) use session::*;
+
 /// An object of the ABI, destroyed by its function. An id that is stale by then has nothing left to destroy.
 macro_rules! destroy {
     ($name:ident, $function:ident, $id:ty) => {
@@ -93,6 +96,7 @@ destroy!(motion_destroy, mry_motion_destroy, mry_motion);
 destroy!(masks_destroy, mry_masks_destroy, mry_masks);
 destroy!(creature_destroy, mry_creature_destroy, mry_creature);
 destroy!(job_destroy, mry_job_destroy, mry_job);
+destroy!(session_destroy, mry_session_destroy, mry_session);
 
 /// Asks for a size, then for that many values.
 fn sized_list<T: Copy + Default>(

@@ -45,6 +45,23 @@ pub(crate) enum Command {
     Creature(Creature),
     /// Make a creature of a bundled clip
     Demo(Demo),
+    /// Look into the sessions of an editor
+    #[command(subcommand)]
+    Session(SessionCommand),
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum SessionCommand {
+    /// Say what a session holds, what of it was not saved, and what is damaged or missing
+    Info(SessionInfo),
+}
+
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Example:\n  marey session info walk.marey --json")]
+pub(crate) struct SessionInfo {
+    /// A session file; it is only read, and may be open elsewhere
+    #[arg(value_name = "FILE")]
+    pub(crate) file: PathBuf,
 }
 
 #[derive(Debug, clap::Args)]

@@ -12,7 +12,7 @@ mod watch;
 use clap::Parser as _;
 use clap::error::ErrorKind;
 
-use crate::args::{Args, Command};
+use crate::args::{Args, Command, SessionCommand};
 use crate::failure::{Failure, one_line};
 
 fn main() {
@@ -48,5 +48,6 @@ fn run(args: &Args) -> Result<(), Failure> {
         Command::Segment(segment) => commands::segment(&session, segment),
         Command::Creature(creature) => commands::creature(&session, creature),
         Command::Demo(demo) => commands::demo(&session, demo),
+        Command::Session(SessionCommand::Info(info)) => commands::session_info(&session, info),
     }
 }

@@ -4,12 +4,14 @@ mod creature;
 mod demo;
 mod info;
 mod segment;
+mod session_info;
 mod track;
 
 pub(crate) use creature::creature;
 pub(crate) use demo::demo;
 pub(crate) use info::info;
 pub(crate) use segment::segment;
+pub(crate) use session_info::session_info;
 pub(crate) use track::track;
 
 use std::path::Path;
