@@ -124,6 +124,15 @@ impl<T: Versioned> OutStruct<T> {
         Ok(Self { ptr, size })
     }
 
+    /// A struct that may be left out.
+    ///
+    /// # Safety
+    /// As for [`Self::new`].
+    pub(crate) unsafe fn optional(ptr: *mut T, param: &'static str) -> Outcome<Option<Self>> {
+        // SAFETY: as this function's own.
+        if ptr.is_null() { Ok(None) } else { unsafe { Self::new(ptr, param).map(Some) } }
+    }
+
     /// Writes all of `value` that the caller's struct has room for; its struct_size stays.
     pub(crate) fn set(&self, value: &T) {
         let skip = size_of::<u32>();

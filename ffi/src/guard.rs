@@ -1,7 +1,7 @@
 //! What every function does before and after its own work: check the context and the error, contain panics, fill the
 //! error. Here the contract of all the `unsafe` functions is stated once.
 
-use std::cell::RefCell;
+use std::cell::{OnceCell, RefCell};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -37,25 +37,34 @@ pub(crate) use {ending, entry};
 /// One call in progress: its context, and the objects it may leave half-changed.
 pub(crate) struct Call<'a> {
     pub(crate) context: &'a Context,
-    touched: RefCell<Vec<Arc<AtomicBool>>>,
+    touched: Touched,
+}
+
+/// The poison flags of the objects of one call. Most calls have one object, and allocate nothing for it.
+#[derive(Default)]
+struct Touched {
+    first: OnceCell<Arc<AtomicBool>>,
+    more: RefCell<Vec<Arc<AtomicBool>>>,
 }
 
 impl Call<'_> {
     /// The object of `id`, which a panic of this call will poison.
     pub(crate) fn get<T>(&self, table: &Table<T>, id: u64, param: &'static str) -> Outcome<Arc<Slot<T>>> {
         let slot = table.get(id, param)?;
-        self.touched.borrow_mut().push(slot.poisoned.clone());
+        if let Err(flag) = self.touched.first.set(slot.poisoned.clone()) {
+            self.touched.more.borrow_mut().push(flag);
+        }
         #[cfg(feature = "test-panic")]
         crate::test_panic::at_lookup(self.context);
         Ok(slot)
     }
 
     fn poison(&self) {
-        let touched = self.touched.borrow();
-        if touched.is_empty() {
-            self.context.poisoned.store(true, Ordering::Release);
-        }
-        touched.iter().for_each(|object| object.store(true, Ordering::Release));
+        let more = self.touched.more.borrow();
+        let Some(first) = self.touched.first.get() else {
+            return self.context.poisoned.store(true, Ordering::Release);
+        };
+        more.iter().chain([first]).for_each(|object| object.store(true, Ordering::Release));
     }
 }
 
@@ -72,9 +81,8 @@ pub(crate) fn panic_text(payload: &(dyn std::any::Any + Send)) -> String {
 /// `err` is null or points at an mry_error of its own struct_size.
 pub(crate) unsafe fn contain(err: *mut mry_error, body: impl FnOnce() -> Outcome<Code>) -> mry_status {
     // SAFETY: as this function's own.
-    let error = match unsafe { OutStruct::new(err, "err") } {
-        Ok(error) => Some(error),
-        Err(_) if err.is_null() => None,
+    let error = match unsafe { OutStruct::optional(err, "err") } {
+        Ok(error) => error,
         // There is nowhere to put the detail.
         Err(failure) => return failure.status,
     };
@@ -120,7 +128,7 @@ pub(crate) unsafe fn guard(
             let message = "the context was poisoned by an earlier defect; destroy it and create another";
             return Err(Failure::new(Code::MRY_E_POISONED, "context", message));
         }
-        let call = Call { context, touched: RefCell::default() };
+        let call = Call { context, touched: Touched::default() };
         let result = catch_unwind(AssertUnwindSafe(|| {
             #[cfg(feature = "test-panic")]
             crate::test_panic::at_start(context);

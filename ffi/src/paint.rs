@@ -3,6 +3,8 @@
 
 use std::path::PathBuf;
 
+use marey::export::{encode_mask, write_aside};
+use marey::raster::Mask;
 use marey::rig::Paint;
 
 use crate::border;
@@ -119,6 +121,51 @@ pub unsafe extern "C" fn mry_rig_set_mask(
         call.rig_mut(rig, |rig| {
             key_frame(rig, frame, call.context.limits.key_frames)?.mask = path;
             tidy(rig);
+            Ok(Code::MRY_OK)
+        })
+    })
+}
+
+/// Gives the whole mask of a frame as pixels, painted by a person. They are written to an image file, whole or not at
+/// all, which the rig then refers to as with mry_rig_set_mask: a rig and its masks stay files that can be moved.
+///
+/// @param context       The context.
+/// @param rig           The rig.
+/// @param frame         The frame, counted from 0.
+/// @param pixels        The rig's width x height, a byte a pixel, rows from the top; above 127 is the creature.
+/// @param size          Bytes at pixels: at least stride_bytes * (height - 1) + width.
+/// @param stride_bytes  From one row's start to the next's; 0 for rows without gaps.
+/// @param path          The PNG file to write, in a folder that exists; best beside the rig's own file.
+/// @param err           Detail of a failure, or NULL.
+/// @return MRY_OK; MRY_E_ARGUMENT (size, stride_bytes, path), MRY_E_STRING, MRY_E_IO, MRY_E_INPUT (no place for a
+///         file), MRY_E_LIMIT, MRY_E_BUSY.
+/// Thread: [any-thread]. Since 0.1.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mry_rig_paint_mask(
+    context: *mut mry_context,
+    rig: mry_rig,
+    frame: u64,
+    pixels: *const u8,
+    size: usize,
+    stride_bytes: usize,
+    path: mry_str,
+    err: *mut mry_error,
+) -> mry_status {
+    entry!(context, err, |call| {
+        let path = path.name("path")?;
+        let pixels = border::slice(pixels, size, isize::MAX as usize, "pixels")?;
+        let (width, height) = call.rig(rig, |rig| Ok((rig.size.0 as usize, rig.size.1 as usize)))?;
+        let stride = if stride_bytes == 0 { width } else { stride_bytes };
+        let needed = stride.checked_mul(height - 1).and_then(|rows| rows.checked_add(width));
+        if stride < width || needed.is_none_or(|n| size < n) {
+            let message = format!("{size} bytes with {stride} a row are no mask of {width}x{height}");
+            return Err(Failure::argument("size", message));
+        }
+        let mask = Mask::from_fn(width, height, |x, y| pixels[y * stride + x] > 127);
+        let png = encode_mask(&mask)?;
+        write_aside(path, &png).map_err(|e| Failure::from(e).about("path"))?;
+        call.rig_mut(rig, |rig| {
+            key_frame(rig, frame, call.context.limits.key_frames)?.mask = Some(path.into());
             Ok(Code::MRY_OK)
         })
     })

@@ -73,7 +73,7 @@ pub unsafe extern "C" fn mry_creature_get_part(
 ) -> mry_status {
     entry!(context, err, |call| {
         let name = Text::new(name, capacity, out_size, "name")?;
-        let out_info = if out_info.is_null() { None } else { Some(OutStruct::new(out_info, "out_info")?) };
+        let out_info = OutStruct::optional(out_info, "out_info")?;
         let creature = call.creature(creature)?;
         let part = creature.part(part)?;
         name.fill(&part.name)?;

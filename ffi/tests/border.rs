@@ -143,6 +143,7 @@ const CALLS: &[(&str, Has, Run)] = calls! {
     Id mry_rig_add_paint(c, i, o, e, p) => [i.rig, 0, MRY_PAINT_FOREGROUND, 2.0, point(), 2];
     Id mry_rig_clear_paint(c, i, o, e, p) => [i.rig, 0];
     Id mry_rig_set_mask(c, i, o, e, p) => [i.rig, 3, str("")];
+    IdAndOut mry_rig_paint_mask(c, i, o, e, p) => [i.rig, 3, o.at::<[u8; 2]>().cast(), 96 * 64, 0, str(p)];
     IdAndOut mry_rig_get_length_hint(c, i, o, e, p) => [i.rig, 0, o.at()];
     Id mry_rig_validate(c, i, o, e, p) => [i.rig, i.clip];
     Out mry_motion_read(c, i, o, e, p) => [str(p), o.at()];

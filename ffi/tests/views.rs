@@ -134,6 +134,39 @@ fn what_exceeds_a_limit_of_the_context_is_refused() {
     }
 }
 
+#[test]
+fn a_mask_given_as_pixels_is_kept_as_a_file_and_is_the_mask_of_its_frame() {
+    let f = fixture();
+    let (c, clip, rig, path, mut err) = (f.context, f.clip(), f.rig(), f.path("mask.png"), error());
+    let (width, height) = (SIZE.0 as usize, SIZE.1 as usize);
+    // A block that no segmenter would find by itself.
+    let inside = |x: usize, y: usize| (60..90).contains(&x) && (10..50).contains(&y);
+    let stride = width + 5;
+    let mut pixels = vec![255u8; stride * (height - 1) + width];
+    for (y, row) in pixels.chunks_mut(stride).enumerate() {
+        row.iter_mut().take(width).enumerate().for_each(|(x, p)| *p = if inside(x, y) { 255 } else { 0 });
+    }
+    unsafe {
+        let mut give = |size: usize, stride: usize| {
+            mry_rig_paint_mask(c, rig, 2, pixels.as_ptr(), size, stride, str(&path), &mut err)
+        };
+        assert_eq!(give(pixels.len() - 1, stride), code(MRY_E_ARGUMENT));
+        assert_eq!(give(pixels.len(), width - 1), code(MRY_E_ARGUMENT));
+        assert_eq!(give(pixels.len(), usize::MAX), code(MRY_E_ARGUMENT));
+        assert!(!std::path::Path::new(&path).exists());
+        assert_eq!(give(pixels.len(), stride), OK);
+        let mut desc = std::mem::zeroed::<mry_segment_desc>();
+        mry_segment_desc_init(&mut desc, size_of::<mry_segment_desc>() as u32);
+        (desc.clip, desc.rig) = (clip, rig);
+        let mut masks = mry_masks::default();
+        assert_eq!(mry_run_segment(c, &desc, &mut masks, &mut err), OK, "{}", text(&err.message));
+        let mut read = vec![0u8; width * height];
+        assert_eq!(mry_masks_read(c, masks, 2, read.as_mut_ptr(), read.len(), 0, &mut err), OK);
+        let wrong = (0..read.len()).filter(|i| (read[*i] > 0) != inside(i % width, i / width)).count();
+        assert_eq!(wrong, 0, "what a person painted is the mask");
+    }
+}
+
 /// Lends threads, and keeps them to see that they end.
 #[derive(Default)]
 struct Lender {

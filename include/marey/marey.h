@@ -1424,6 +1424,32 @@ mry_status mry_rig_set_mask(mry_context *context,
                             mry_str path,
                             mry_error *err);
 
+/**
+ * Gives the whole mask of a frame as pixels, painted by a person. They are written to an image file, whole or not at
+ * all, which the rig then refers to as with mry_rig_set_mask: a rig and its masks stay files that can be moved.
+ *
+ * @param context       The context.
+ * @param rig           The rig.
+ * @param frame         The frame, counted from 0.
+ * @param pixels        The rig's width x height, a byte a pixel, rows from the top; above 127 is the creature.
+ * @param size          Bytes at pixels: at least stride_bytes * (height - 1) + width.
+ * @param stride_bytes  From one row's start to the next's; 0 for rows without gaps.
+ * @param path          The PNG file to write, in a folder that exists; best beside the rig's own file.
+ * @param err           Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_ARGUMENT (size, stride_bytes, path), MRY_E_STRING, MRY_E_IO, MRY_E_INPUT (no place for a
+ *         file), MRY_E_LIMIT, MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_rig_paint_mask(mry_context *context,
+                              mry_rig rig,
+                              uint64_t frame,
+                              const uint8_t *pixels,
+                              size_t size,
+                              size_t stride_bytes,
+                              mry_str path,
+                              mry_error *err);
+
 /** @} */
 
 /**

@@ -329,6 +329,12 @@ public:
   result<void> set_mask(std::uint64_t frame, std::string_view path) {
     return detail::perform([&](mry_error *err) { return mry_rig_set_mask(c(), id_, frame, detail::str(path), err); });
   }
+  /** Gives the whole mask of a frame as pixels, a byte each without gaps, which are written to a PNG file. */
+  result<void> paint_mask(std::uint64_t frame, const std::vector<std::uint8_t> &pixels, std::string_view path) {
+    return detail::perform([&](mry_error *err) {
+      return mry_rig_paint_mask(c(), id_, frame, pixels.data(), pixels.size(), 0, detail::str(path), err);
+    });
+  }
   /** The longest drawn length of a limb, in clip pixels. */
   result<float> length_hint(std::uint32_t limb) const {
     float length = 0.0f;

@@ -127,7 +127,7 @@ static mry_status edit_rig(soak *s) {
   size_t count = 0;
   float length = 0;
   mry_rig rig = { id(s, RIG) };
-  switch (below(s, 16)) {
+  switch (below(s, 17)) {
     case 0: return mry_rig_add_limb(s->context, rig, text(s), (int32_t)number(s, 5), &limb, ERR);
     case 1: return mry_rig_get_limb_count(s->context, rig, out(s), ERR);
     case 2: return mry_rig_get_limb(s->context, rig, number(s, 4), out(s), room(s, 1), &count, NULL, ERR);
@@ -146,6 +146,8 @@ static mry_status edit_rig(soak *s) {
                                ERR);
     case 10: return mry_rig_clear_paint(s->context, rig, frame(s), ERR);
     case 11: return mry_rig_set_mask(s->context, rig, frame(s), below(s, 2) == 0 ? MRY_STR("") : place(s, name, ".png"), ERR);
+    case 15:
+      return mry_rig_paint_mask(s->context, rig, frame(s), out(s), room(s, 1), number(s, 200), place(s, name, ".png"), ERR);
     case 12: return mry_rig_get_length_hint(s->context, rig, number(s, 4), &length, ERR);
     case 13: return mry_rig_validate(s->context, rig, (mry_clip){ below(s, 2) == 0 ? 0 : id(s, CLIP) }, ERR);
     case 14: return mry_rig_to_json(s->context, rig, out(s), room(s, 1), &count, ERR);

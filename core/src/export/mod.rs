@@ -19,5 +19,6 @@ pub use folder::StagedFolder;
 pub use masks::{check_mask_folder, write_mask_folder, write_masks};
 pub use obj::{write_obj, write_obj_folder};
 pub use overlay::overlay;
+pub use png::encode_mask;
 pub use preview::preview;
 pub use write_aside::write_aside;

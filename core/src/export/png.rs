@@ -12,7 +12,7 @@ pub(super) fn encode_rgb(image: &RgbImage) -> Result<Vec<u8>> {
 }
 
 /// A mask as 8-bit grey, 0 or 255.
-pub(super) fn encode_mask(mask: &Mask) -> Result<Vec<u8>> {
+pub fn encode_mask(mask: &Mask) -> Result<Vec<u8>> {
     let image = mask.to_image();
     encode(image.as_raw(), image.dimensions(), ExtendedColorType::L8, FilterType::NoFilter)
 }
