@@ -263,3 +263,24 @@ fn values_that_make_no_sense_are_refused_and_change_nothing() {
         assert!(index > 20);
     }
 }
+
+#[test]
+fn every_bound_of_a_parameter_makes_a_creature_or_says_why_not() {
+    let f = fixture();
+    let (c, session, mut index) = (f.context, f.session(), 0);
+    let mut info = unsafe { std::mem::zeroed::<mry_parameter_info>() };
+    unsafe { mry_parameter_info_init(&mut info, size_of::<mry_parameter_info>() as u32) };
+    while unsafe { mry_parameter_get_info(c, index, &mut info, NO_ERROR) } == OK {
+        let name = text(&info.name);
+        for value in [info.low, info.high] {
+            let (mut creature, mut err) = (mry_creature::default(), error());
+            unsafe {
+                assert_eq!(mry_session_set_parameter(c, session, str(&name), value, &mut err), OK);
+                let status = mry_session_run_creature(c, session, str(""), &mut creature, &mut err);
+                assert!([OK, code(MRY_E_INPUT)].contains(&status), "{name} {value}: {}", text(&err.message));
+                assert_eq!(mry_session_reset_parameter(c, session, str(&name), &mut err), OK);
+            }
+        }
+        index += 1;
+    }
+}
