@@ -593,6 +593,198 @@ public:
   }
 };
 
+/** A document that a host edits: a clip by reference, a rig, parameters, a motion. Its end keeps what was not saved. */
+class session : public detail::handle<mry_session, mry_session_destroy> {
+public:
+  using handle::handle;
+
+  /** How it is. */
+  result<mry_session_state> state() const {
+    mry_session_state state = MRY_SESSION_STATE_INIT;
+    return detail::perform([&](mry_error *err) { return mry_session_get_state(c(), id_, &state, err); },
+                           [&] { return state; });
+  }
+  /** Where it is kept. Fails with MRY_E_NOT_FOUND where that is memory. */
+  result<std::string> path() const {
+    return detail::text([&](char *text, std::size_t capacity, std::size_t *size, mry_error *err) {
+      return mry_session_get_path(c(), id_, text, capacity, size, err);
+    });
+  }
+  /** One thing that opening it found damaged, lost or not there; `index` is below warning_count. */
+  result<std::string> warning(std::uint32_t index) const {
+    return detail::text([&](char *text, std::size_t capacity, std::size_t *size, mry_error *err) {
+      return mry_session_get_warning(c(), id_, index, text, capacity, size, err);
+    });
+  }
+  /** Saves it to its file, whole or not at all. */
+  result<void> save() {
+    return detail::perform([&](mry_error *err) { return mry_session_save(c(), id_, err); });
+  }
+  /** Saves it under another name and goes on there. */
+  result<void> save_as(std::string_view path) {
+    return detail::perform([&](mry_error *err) { return mry_session_save_as(c(), id_, detail::str(path), err); });
+  }
+  /** Drops what was not saved. The session is then empty and has no file. */
+  result<void> discard() {
+    return detail::perform([&](mry_error *err) { return mry_session_discard(c(), id_, err); });
+  }
+
+  /** Begins a gesture: the edits until its end are one step of undo. */
+  result<void> begin_gesture(std::string_view label) {
+    return detail::perform(
+      [&](mry_error *err) { return mry_session_begin_gesture(c(), id_, detail::str(label), err); });
+  }
+  /** Ends the gesture; it is on the disk then. */
+  result<void> end_gesture() {
+    return detail::perform([&](mry_error *err) { return mry_session_end_gesture(c(), id_, err); });
+  }
+  /** Takes the gesture in progress back. */
+  result<void> cancel_gesture() {
+    return detail::perform([&](mry_error *err) { return mry_session_cancel_gesture(c(), id_, err); });
+  }
+  /** Takes the last step back. Fails with MRY_E_NOT_FOUND where there is none. */
+  result<void> undo() {
+    return detail::perform([&](mry_error *err) { return mry_session_undo(c(), id_, err); });
+  }
+  /** Does the last step that was taken back again. Fails with MRY_E_NOT_FOUND where there is none. */
+  result<void> redo() {
+    return detail::perform([&](mry_error *err) { return mry_session_redo(c(), id_, err); });
+  }
+  /** What undo() would take back. */
+  result<std::string> undo_label() const {
+    return detail::text([&](char *text, std::size_t capacity, std::size_t *size, mry_error *err) {
+      return mry_session_get_undo_label(c(), id_, text, capacity, size, err);
+    });
+  }
+  /** What redo() would do again. */
+  result<std::string> redo_label() const {
+    return detail::text([&](char *text, std::size_t capacity, std::size_t *size, mry_error *err) {
+      return mry_session_get_redo_label(c(), id_, text, capacity, size, err);
+    });
+  }
+
+  /** Chooses the clip, by reference. */
+  result<void> set_clip(const marey::clip &clip) {
+    return detail::perform([&](mry_error *err) { return mry_session_set_clip(c(), id_, clip.id(), err); });
+  }
+  /** The clip, opened. */
+  result<marey::clip> clip() const {
+    return other<marey::clip, mry_clip>(
+      [&](mry_clip *id, mry_error *err) { return mry_session_get_clip(c(), id_, nullptr, id, err); });
+  }
+  /** Replaces everything that is drawn by a copy of a rig. */
+  result<void> set_rig(const marey::rig &rig) {
+    return detail::perform([&](mry_error *err) { return mry_session_set_rig(c(), id_, rig.id(), err); });
+  }
+  /** A copy of what is drawn. */
+  result<marey::rig> rig() const {
+    return other<marey::rig, mry_rig>(
+      [&](mry_rig *id, mry_error *err) { return mry_session_get_rig(c(), id_, id, err); });
+  }
+  /** Takes in a motion as if it had been tracked from what is drawn now. */
+  result<void> set_motion(const marey::motion &motion) {
+    return detail::perform([&](mry_error *err) { return mry_session_set_motion(c(), id_, motion.id(), err); });
+  }
+  /** The motion, up to date or not. */
+  result<marey::motion> motion() const {
+    return other<marey::motion, mry_motion>(
+      [&](mry_motion *id, mry_error *err) { return mry_session_get_motion(c(), id_, id, err); });
+  }
+
+  /** Adds a limb; gives its index. */
+  result<std::uint32_t> add_limb(std::string_view label, std::int32_t side = MRY_SIDE_UNKNOWN) {
+    std::uint32_t limb = 0;
+    return detail::perform(
+      [&](mry_error *err) { return mry_session_add_limb(c(), id_, detail::str(label), side, &limb, err); },
+      [&] { return limb; });
+  }
+  /** Removes a limb with its strokes. */
+  result<void> remove_limb(std::uint32_t limb) {
+    return detail::perform([&](mry_error *err) { return mry_session_remove_limb(c(), id_, limb, err); });
+  }
+  /** Gives a limb another label and side. */
+  result<void> set_limb(std::uint32_t limb, std::string_view label, std::int32_t side) {
+    return detail::perform(
+      [&](mry_error *err) { return mry_session_set_limb(c(), id_, limb, detail::str(label), side, err); });
+  }
+  /** Draws a limb on a frame, instead of what was drawn of it there before. */
+  result<void> set_stroke(std::uint32_t limb, std::uint64_t frame, const std::vector<mry_point> &points,
+                          std::int32_t facing = MRY_FACING_UNKNOWN) {
+    return detail::perform([&](mry_error *err) {
+      return mry_session_set_stroke(c(), id_, limb, frame, points.data(), points.size(), facing, err);
+    });
+  }
+  /** Takes a limb's stroke off a frame. */
+  result<void> remove_stroke(std::uint32_t limb, std::uint64_t frame) {
+    return detail::perform([&](mry_error *err) { return mry_session_remove_stroke(c(), id_, limb, frame, err); });
+  }
+  /** Paints a hint for the segmenter. */
+  result<void> add_paint(std::uint64_t frame, std::int32_t kind, float radius, const std::vector<mry_point> &points) {
+    return detail::perform([&](mry_error *err) {
+      return mry_session_add_paint(c(), id_, frame, kind, radius, points.data(), points.size(), err);
+    });
+  }
+  /** Removes one painted hint of a frame. */
+  result<void> remove_paint(std::uint64_t frame, std::uint32_t index) {
+    return detail::perform([&](mry_error *err) { return mry_session_remove_paint(c(), id_, frame, index, err); });
+  }
+  /** Gives the whole mask of a frame as an image file; empty to take it off. */
+  result<void> set_mask(std::uint64_t frame, std::string_view path) {
+    return detail::perform(
+      [&](mry_error *err) { return mry_session_set_mask(c(), id_, frame, detail::str(path), err); });
+  }
+
+  /** Chooses the value of a parameter. */
+  result<void> set_parameter(std::string_view name, double value) {
+    return detail::perform(
+      [&](mry_error *err) { return mry_session_set_parameter(c(), id_, detail::str(name), value, err); });
+  }
+  /** Gives a parameter its default value again. */
+  result<void> reset_parameter(std::string_view name) {
+    return detail::perform(
+      [&](mry_error *err) { return mry_session_reset_parameter(c(), id_, detail::str(name), err); });
+  }
+  /** The value of a parameter, chosen or by default. */
+  result<double> parameter(std::string_view name) const {
+    double value = 0.0;
+    return detail::perform(
+      [&](mry_error *err) { return mry_session_get_parameter(c(), id_, detail::str(name), &value, err); },
+      [&] { return value; });
+  }
+
+  /** Starts tracking it as it is now. */
+  result<job> start_track() const {
+    return other<job, mry_job>([&](mry_job *id, mry_error *err) { return mry_session_start_track(c(), id_, id, err); });
+  }
+  /** Starts making its creature as it is now, and writing it into a folder unless that is empty. */
+  result<job> start_creature(std::string_view folder = {}) const {
+    return other<job, mry_job>([&](mry_job *id, mry_error *err) {
+      return mry_session_start_creature(c(), id_, detail::str(folder), id, err);
+    });
+  }
+  /** Takes in what a job of this session made, as one step of undo; once. */
+  result<void> take(const job &job) {
+    return detail::perform([&](mry_error *err) { return mry_session_take(c(), id_, job.id(), err); });
+  }
+  /** Tracks it, takes the motion in, and returns when it is done. */
+  result<void> run_track() {
+    return detail::perform([&](mry_error *err) { return mry_session_run_track(c(), id_, err); });
+  }
+  /** Makes its creature, takes the motion in, and returns when it is done. */
+  result<creature> run_creature(std::string_view folder = {}) {
+    return other<creature, mry_creature>([&](mry_creature *id, mry_error *err) {
+      return mry_session_run_creature(c(), id_, detail::str(folder), id, err);
+    });
+  }
+  /** The frames in which a limb is to be tracked, for the first time or again. */
+  result<std::vector<mry_frame_range>> outdated(std::uint32_t limb) const {
+    return detail::list<mry_frame_range>(
+      [&](mry_frame_range *ranges, std::size_t capacity, std::size_t *count, mry_error *err) {
+        return mry_session_get_outdated(c(), id_, limb, ranges, capacity, count, err);
+      });
+  }
+};
+
 /** Which tracker and segmenter; empty names are the best there are. */
 struct methods {
   /** The tracker: "space-time", "paper". */
@@ -716,6 +908,41 @@ public:
     desc.creature = creature.id();
     desc.path = detail::str(path);
     return make<job, mry_job>([&](mry_job *id, mry_error *err) { return mry_job_start_export(get(), &desc, id, err); });
+  }
+  /** An empty session in a new file, or in memory only where the path is empty. */
+  result<session> new_session(std::string_view path = {}) const {
+    return make<session, mry_session>(
+      [&](mry_session *id, mry_error *err) { return mry_session_create(get(), detail::str(path), id, err); });
+  }
+  /** An empty session that the user has not named yet, kept in a folder so that a crash does not lose it. */
+  result<session> new_untitled_session(std::string_view folder) const {
+    return make<session, mry_session>([&](mry_session *id, mry_error *err) {
+      return mry_session_create_untitled(get(), detail::str(folder), id, err);
+    });
+  }
+  /** One of the sessions without a name that a crash left in a folder. Fails with MRY_E_NOT_FOUND after the last. */
+  result<std::string> left_session(std::string_view folder, std::uint32_t index) const {
+    return detail::text([&](char *text, std::size_t capacity, std::size_t *size, mry_error *err) {
+      return mry_session_find_left(get(), detail::str(folder), index, text, capacity, size, err);
+    });
+  }
+  /** Opens a session file: MRY_ACCESS_EDIT, ... */
+  result<session> open_session(std::string_view path, std::int32_t access = MRY_ACCESS_EDIT) const {
+    return make<session, mry_session>([&](mry_session *id, mry_error *err) {
+      return mry_session_open(get(), detail::str(path), access, id, err);
+    });
+  }
+  /** One of the parameters of sessions. Fails with MRY_E_NOT_FOUND after the last. */
+  result<mry_parameter_info> parameter(std::uint32_t index) const {
+    mry_parameter_info info = MRY_PARAMETER_INFO_INIT;
+    return detail::perform([&](mry_error *err) { return mry_parameter_get_info(get(), index, &info, err); },
+                           [&] { return info; });
+  }
+  /** The name of one of the values of a choice. */
+  result<std::string> parameter_choice(std::uint32_t index, std::uint32_t choice) const {
+    return detail::text([&](char *text, std::size_t capacity, std::size_t *size, mry_error *err) {
+      return mry_parameter_get_choice(get(), index, choice, text, capacity, size, err);
+    });
   }
 
 private:
