@@ -17,7 +17,7 @@
 
 #include <marey/marey.h>
 
-enum { CLIP, RIG, MOTION, MASKS, CREATURE, JOB, MAP, KINDS };
+enum { CLIP, RIG, MOTION, MASKS, CREATURE, JOB, MAP, SESSION, KINDS };
 enum { PLACES = 6, BYTES = 1 << 15 };
 
 typedef struct soak {
@@ -49,6 +49,7 @@ static mry_status end(soak *s, int kind, uint64_t v) {
     case MASKS: return mry_masks_destroy(s->context, (mry_masks){ v });
     case CREATURE: return mry_creature_destroy(s->context, (mry_creature){ v });
     case JOB: return mry_job_destroy(s->context, (mry_job){ v });
+    case SESSION: return mry_session_destroy(s->context, (mry_session){ v });
     default: return mry_unmap(s->context, (mry_map){ v });
   }
 }
@@ -351,6 +352,54 @@ static mry_status use_job(soak *s) {
   return status;
 }
 
+/* Edits of a session are on the disk when they return, so that they take their time. */
+static mry_status use_session(soak *s) {
+  mry_point p[8];
+  char name[300];
+  mry_session session = { id(s, SESSION) }, made = { 0 };
+  mry_session_state state = MRY_SESSION_STATE_INIT;
+  mry_clip clip = { id(s, CLIP) };
+  mry_rig rig = { id(s, RIG) };
+  mry_job job = { 0 };
+  uint32_t limb = 0;
+  size_t count = 0;
+  double value = 0;
+  mry_status status;
+  switch (below(s, 24)) {
+    case 0: status = mry_session_create(s->context, place(s, name, ".marey"), &made, ERR); break;
+    case 1: status = mry_session_create_untitled(s->context, MRY_STR(s->folder), &made, ERR); break;
+    case 2: status = mry_session_open(s->context, place(s, name, ".marey"), (int32_t)number(s, 3), &made, ERR); break;
+    case 3: SIZED(mry_session_state, &state); return mry_session_get_state(s->context, session, &state, ERR);
+    case 4: return mry_session_save(s->context, session, ERR);
+    case 5: return mry_session_save_as(s->context, session, place(s, name, ".marey"), ERR);
+    case 6: return mry_session_get_path(s->context, session, out(s), room(s, 1), &count, ERR);
+    case 7: return mry_session_begin_gesture(s->context, session, text(s), ERR);
+    case 8: return mry_session_end_gesture(s->context, session, ERR);
+    case 9: return mry_session_cancel_gesture(s->context, session, ERR);
+    case 10:
+    case 11: return mry_session_undo(s->context, session, ERR);
+    case 12: return mry_session_redo(s->context, session, ERR);
+    case 13: return mry_session_set_clip(s->context, session, clip, ERR);
+    case 14: return mry_session_set_rig(s->context, session, rig, ERR);
+    case 15: return mry_session_add_limb(s->context, session, text(s), (int32_t)number(s, 5), &limb, ERR);
+    case 16: return mry_session_remove_limb(s->context, session, number(s, 4), ERR);
+    case 17:
+    case 18:
+      return mry_session_set_stroke(s->context, session, number(s, 4), frame(s), points(s, p), below(s, 9),
+                                    (int32_t)number(s, 4), ERR);
+    case 19: return mry_session_set_parameter(s->context, session, text(s), (double)real(s), ERR);
+    case 20: return mry_session_get_parameter(s->context, session, text(s), &value, ERR);
+    case 21: return mry_session_discard(s->context, session, ERR);
+    case 22: return mry_session_take(s->context, session, (mry_job){ id(s, JOB) }, ERR);
+    default:
+      status = mry_session_start_track(s->context, session, &job, ERR);
+      keep(s, JOB, job.v);
+      return status;
+  }
+  keep(s, SESSION, made.v);
+  return status;
+}
+
 static mry_status one(soak *s) {
   uint32_t dice = below(s, 200);
   if (dice < 2) {
@@ -363,6 +412,9 @@ static mry_status one(soak *s) {
   }
   if (dice < 6) {
     return make_rig(s);
+  }
+  if (dice < 8) {
+    return use_session(s);
   }
   switch (dice % 6) {
     case 0: return edit_rig(s);

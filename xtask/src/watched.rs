@@ -12,7 +12,7 @@ use crate::shell::{self, program, read, root, say};
 
 const SANITIZE: [&str; 3] = ["-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-fno-omit-frame-pointer"];
 /// Calls in the tests; `cargo xtask soak` makes a million.
-const SANITIZED_CALLS: &str = "40000";
+const SANITIZED_CALLS: &str = "20000";
 const VALGRIND_CALLS: &str = "1500";
 const SEED: &str = "1";
 
