@@ -8,6 +8,7 @@ mod crossings;
 mod drawn;
 mod footage;
 mod foreground;
+mod inertia;
 mod limb_keys;
 mod limb_width;
 mod paper;
@@ -27,7 +28,7 @@ mod tree_dp;
 mod unexplained;
 
 pub use candidates::{Candidate, CostMap};
-pub use params::{LimbParams, Method, PaperParams, TemplateParams};
+pub use params::{LimbParams, Method, PaperParams, SpaceTimeParams, TemplateParams};
 pub use templates::{Detection, KeyTemplates, MatchImage};
 pub use tree_dp::{TreeOptimum, tree_optimum};
 

@@ -23,8 +23,56 @@ pub struct LimbParams {
     pub working_side: u32,
     /// Distance between skeleton vertices (paper: about 10).
     pub spacing: f32,
+    /// The space-time tracker.
+    pub space_time: SpaceTimeParams,
     /// The paper's tracker.
     pub paper: PaperParams,
+}
+
+/// Parameters of the space-time tracker. Costs are of one vertex; looks cost about 1 at worst. Lengths are shares of
+/// the limb's own.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SpaceTimeParams {
+    /// Cost of leaving the flow, where it is trusted.
+    pub flow: f32,
+    /// Distance from the flow's target that counts in full.
+    pub flow_reach: f32,
+    /// Cost of moving with respect to the joint a limb hangs by.
+    pub still: f32,
+    /// Movement in a frame that counts in full.
+    pub still_reach: f32,
+    /// Cost of changing its motion with respect to that joint.
+    pub inertia: f32,
+    /// Change of motion between frames that counts in full.
+    pub inertia_reach: f32,
+    /// States kept of a frame where inertia is weighed; a state is one pose of every limb that is solved at once.
+    pub states: usize,
+    /// Poses as near as this to each other, in the mean, are one state.
+    pub same: f32,
+    /// Partial poses kept while a frame is searched for a limb.
+    pub beam: usize,
+    /// Whole poses that such a search hands on.
+    pub found: usize,
+    /// How often poses near the path are added and the path is found again.
+    pub rounds: usize,
+}
+
+impl Default for SpaceTimeParams {
+    fn default() -> Self {
+        Self {
+            flow: 0.25,
+            flow_reach: 0.08,
+            still: 0.15,
+            still_reach: 0.5,
+            inertia: 0.3,
+            inertia_reach: 0.6,
+            states: 100,
+            same: 0.02,
+            beam: 64,
+            found: 16,
+            rounds: 2,
+        }
+    }
 }
 
 /// Parameters of key-frame templates, see [`super::KeyTemplates`]. Lengths are in pixels of a 512 x 512 image.
@@ -92,7 +140,13 @@ pub struct PaperParams {
 
 impl Default for LimbParams {
     fn default() -> Self {
-        Self { method: Method::default(), working_side: 768, spacing: 10.0, paper: PaperParams::default() }
+        Self {
+            method: Method::default(),
+            working_side: 768,
+            spacing: 10.0,
+            space_time: SpaceTimeParams::default(),
+            paper: PaperParams::default(),
+        }
     }
 }
 

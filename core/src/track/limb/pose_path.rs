@@ -1,8 +1,10 @@
-//! The cheapest path through lists of poses, one list a frame: exact, by dynamic programming (Viterbi).
+//! What paths through lists of poses cost, one list a frame: exact, by dynamic programming (forward and backward).
 
 use glam::Vec2;
+use rayon::prelude::*;
 
 use super::carry::Carried;
+use super::params::SpaceTimeParams;
 
 /// A pose that a limb may have had in one frame.
 #[derive(Clone, Debug)]
@@ -15,162 +17,136 @@ pub(super) struct Candidate {
     pub(super) last: Option<Carried>,
 }
 
-/// How the path weighs what it sees. Costs are of one vertex, at most.
+/// The possible poses of one limb, frame by frame, and where it hangs. Lists are not empty.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct PathWeights {
-    /// Of leaving the flow, where it is trusted.
-    pub(super) flow: f32,
-    /// Distance from the flow's target that counts in full, as a share of the limb's length.
-    pub(super) flow_reach: f32,
-    /// Of moving with respect to the joint it hangs by.
-    pub(super) still: f32,
-    /// Movement that counts in full, as a share of the limb's length.
-    pub(super) still_reach: f32,
+pub(super) struct Chain<'a> {
+    pub(super) lists: &'a [Vec<Candidate>],
+    pub(super) roots: Option<&'a [Vec2]>,
 }
 
-impl Default for PathWeights {
-    fn default() -> Self {
-        Self { flow: 0.25, flow_reach: 0.08, still: 0.15, still_reach: 0.5 }
+/// One or two limbs that are solved together.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Group<'a> {
+    pub(super) first: Chain<'a>,
+    pub(super) second: Option<Chain<'a>>,
+    /// For every frame, for every candidate of the first limb and within it for every one of the second, what the two
+    /// cost beyond their own costs. Empty for one limb.
+    pub(super) together: &'a [Vec<f32>],
+}
+
+impl Group<'_> {
+    pub(super) fn frames(&self) -> usize {
+        self.first.lists.len()
     }
-}
 
-/// The index of the best candidate of every frame. Lists are not empty.
-pub(super) fn best_path(lists: &[Vec<Candidate>], weights: &PathWeights, roots: Option<&[Vec2]>) -> Vec<usize> {
-    let mut cost: Vec<f32> = lists[0].iter().map(|c| c.cost).collect();
-    let mut from: Vec<Vec<usize>> = Vec::with_capacity(lists.len());
-    for f in 1..lists.len() {
-        let steps = step_costs(&lists[f - 1], &lists[f], weights, drift(roots, f));
-        let (mut new, mut links) = (Vec::with_capacity(lists[f].len()), Vec::with_capacity(lists[f].len()));
-        for (b, row) in lists[f].iter().zip(steps.chunks_exact(lists[f - 1].len())) {
-            let (link, best) = least(row.iter().zip(&cost).map(|(s, c)| s + c));
-            links.push(link);
-            new.push(best + b.cost);
+    pub(super) fn chains(&self) -> impl Iterator<Item = Chain<'_>> {
+        [Some(self.first), self.second].into_iter().flatten()
+    }
+
+    /// How many candidates the limbs have in frame `f`.
+    pub(super) fn counts(&self, f: usize) -> [usize; 2] {
+        [self.first.lists[f].len(), self.second.map_or(1, |s| s.lists[f].len())]
+    }
+
+    /// The cost of every pair of candidates in frame `f`.
+    pub(super) fn own(&self, f: usize) -> Vec<f32> {
+        let first = self.first.lists[f].iter().map(|c| c.cost);
+        match self.second {
+            None => first.collect(),
+            Some(second) => first
+                .flat_map(|a| second.lists[f].iter().map(move |b| a + b.cost))
+                .zip(&self.together[f])
+                .map(|(own, both)| own + both)
+                .collect(),
         }
-        from.push(links);
-        cost = new;
     }
-    let mut path = vec![0; lists.len()];
-    path[lists.len() - 1] = least(cost.iter().copied()).0;
-    for f in (1..lists.len()).rev() {
-        path[f - 1] = from[f - 1][path[f]];
-    }
-    path
 }
 
-/// For every candidate of every frame, the cost of the best path through it.
-pub(super) fn path_costs(lists: &[Vec<Candidate>], weights: &PathWeights, roots: Option<&[Vec2]>) -> Vec<Vec<f32>> {
-    let steps: Vec<Vec<f32>> =
-        (1..lists.len()).map(|f| step_costs(&lists[f - 1], &lists[f], weights, drift(roots, f))).collect();
-    let own = |f: usize| lists[f].iter().map(|c| c.cost).collect::<Vec<f32>>();
-    let mut totals = vec![own(0)];
-    for f in 1..lists.len() {
-        let rows = steps[f - 1].chunks_exact(lists[f - 1].len());
-        let reached = rows.zip(own(f)).map(|(row, c)| c + least(row.iter().zip(&totals[f - 1]).map(|(s, t)| s + t)).1);
-        let reached = reached.collect();
-        totals.push(reached);
-    }
-    // Backward: what remains after each candidate.
-    let mut rest = vec![0.0f32; lists.last().map_or(0, Vec::len)];
-    for f in (1..lists.len()).rev() {
-        let (n, after) = (lists[f - 1].len(), own(f));
-        totals[f].iter_mut().zip(&rest).for_each(|(t, r)| *t += r);
-        rest =
-            (0..n).map(|a| least((0..after.len()).map(|b| steps[f - 1][b * n + a] + after[b] + rest[b])).1).collect();
-    }
-    totals[0].iter_mut().zip(&rest).for_each(|(t, r)| *t += r);
-    totals
-}
-
-/// The best candidates of two limbs at once. `together[f]` holds for every candidate of the first limb, and within it for every
-/// one of the second, what the two cost in frame `f` beyond their own costs.
-pub(super) fn best_paths(
-    lists: [&[Vec<Candidate>]; 2],
-    together: &[Vec<f32>],
-    weights: &PathWeights,
-    roots: [Option<&[Vec2]>; 2],
-) -> [Vec<usize>; 2] {
-    let frames = lists[0].len();
-    let own = |f: usize, i: usize, j: usize| {
-        lists[0][f][i].cost + lists[1][f][j].cost + together[f][i * lists[1][f].len() + j]
-    };
-    let mut cost: Vec<f32> = (0..lists[0][0].len())
-        .flat_map(|i| (0..lists[1][0].len()).map(move |j| (i, j)))
-        .map(|(i, j)| own(0, i, j))
+/// For every frame and every pair of candidates, the cost of the best path through it, inertia aside. The two limbs'
+/// steps are independent, so each is minimised on its own.
+pub(super) fn costs_through(group: &Group<'_>, params: &SpaceTimeParams) -> Vec<Vec<f32>> {
+    let frames = group.frames();
+    let steps: Vec<[Vec<f32>; 2]> = (1..frames)
+        .into_par_iter()
+        .map(|f| [step_costs(&group.first, f, params), group.second.map_or(vec![0.0], |s| step_costs(&s, f, params))])
         .collect();
-    let mut links: Vec<Vec<(u16, u16)>> = Vec::with_capacity(frames);
+    let mut through = vec![group.own(0)];
     for f in 1..frames {
-        let (an, bn) = (lists[0][f - 1].len(), lists[1][f - 1].len());
-        let (am, bm) = (lists[0][f].len(), lists[1][f].len());
-        let first = step_costs(&lists[0][f - 1], &lists[0][f], weights, drift(roots[0], f));
-        let second = step_costs(&lists[1][f - 1], &lists[1][f], weights, drift(roots[1], f));
-        // The two limbs' steps are independent, so each is minimised on its own: first limb, then second.
-        let mut half = Vec::with_capacity(am * bn);
-        for row in first.chunks_exact(an) {
-            for j in 0..bn {
-                half.push(least((0..an).map(|i| row[i] + cost[i * bn + j])));
-            }
-        }
-        let (mut new, mut link) = (Vec::with_capacity(am * bm), Vec::with_capacity(am * bm));
-        for i in 0..am {
-            let reached = &half[i * bn..(i + 1) * bn];
-            for (j, row) in second.chunks_exact(bn).enumerate() {
-                let (before, c) = least(row.iter().zip(reached).map(|(s, r)| s + r.1));
-                new.push(c + own(f, i, j));
-                link.push((reached[before].0 as u16, before as u16));
-            }
-        }
-        links.push(link);
-        cost = new;
+        let ([an, bn], [am, bm]) = (group.counts(f - 1), group.counts(f));
+        let [first, second] = &steps[f - 1];
+        let reached =
+            min_plus(&through[f - 1], [an, bn], [am, bm], |i, k| first[k * an + i], |j, l| second[l * bn + j]);
+        through.push(reached.into_iter().zip(group.own(f)).map(|(r, o)| r + o).collect());
     }
-    let columns = |f: usize| lists[1][f].len();
-    let last = least(cost.iter().copied()).0;
-    let mut paths = [vec![0; frames], vec![0; frames]];
-    let mut at = (last / columns(frames - 1), last % columns(frames - 1));
-    for f in (0..frames).rev() {
-        (paths[0][f], paths[1][f]) = at;
-        if f > 0 {
-            let (i, j) = links[f - 1][at.0 * columns(f) + at.1];
-            at = (usize::from(i), usize::from(j));
-        }
+    let mut rest = vec![0.0f32; through[frames - 1].len()];
+    for f in (1..frames).rev() {
+        let ([an, bn], [am, bm]) = (group.counts(f - 1), group.counts(f));
+        let [first, second] = &steps[f - 1];
+        let after: Vec<f32> = rest.iter().zip(group.own(f)).map(|(r, o)| r + o).collect();
+        through[f].iter_mut().zip(&rest).for_each(|(t, r)| *t += r);
+        rest = min_plus(&after, [am, bm], [an, bn], |k, i| first[k * an + i], |l, j| second[l * bn + j]);
     }
-    paths
+    through[0].iter_mut().zip(&rest).for_each(|(t, r)| *t += r);
+    through
 }
 
-fn least(values: impl Iterator<Item = f32>) -> (usize, f32) {
-    let mut best = (0, f32::INFINITY);
-    for (i, v) in values.enumerate() {
-        if v < best.1 {
-            best = (i, v);
+/// `out[i, j] = min over k, l of cost[k, l] + a(k, i) + b(l, j)`.
+fn min_plus(
+    cost: &[f32],
+    [ks, ls]: [usize; 2],
+    [is, js]: [usize; 2],
+    a: impl Fn(usize, usize) -> f32,
+    b: impl Fn(usize, usize) -> f32,
+) -> Vec<f32> {
+    let mut half = vec![f32::INFINITY; is * ls];
+    for i in 0..is {
+        for k in 0..ks {
+            let step = a(k, i);
+            for l in 0..ls {
+                half[i * ls + l] = half[i * ls + l].min(cost[k * ls + l] + step);
+            }
         }
     }
-    best
+    let mut out = vec![f32::INFINITY; is * js];
+    for i in 0..is {
+        for j in 0..js {
+            out[i * js + j] = (0..ls).map(|l| half[i * ls + l] + b(l, j)).fold(f32::INFINITY, f32::min);
+        }
+    }
+    out
 }
 
-fn drift(roots: Option<&[Vec2]>, f: usize) -> Vec2 {
+/// The place and the value of the least; the first of equals.
+pub(super) fn least(values: impl Iterator<Item = f32>) -> (usize, f32) {
+    values.enumerate().fold((0, f32::INFINITY), |best, (i, v)| if v < best.1 { (i, v) } else { best })
+}
+
+pub(super) fn drift(roots: Option<&[Vec2]>, f: usize) -> Vec2 {
     roots.map_or(Vec2::ZERO, |r| r[f] - r[f - 1])
 }
 
-/// For every candidate of the later frame, the cost of coming from every one of the earlier.
-fn step_costs(earlier: &[Candidate], later: &[Candidate], weights: &PathWeights, drift: Vec2) -> Vec<f32> {
-    later.iter().flat_map(|b| earlier.iter().map(move |a| step_cost(a, b, weights, drift))).collect()
+/// For every candidate of frame `f`, the cost of coming from every one of the frame before.
+fn step_costs(chain: &Chain<'_>, f: usize, params: &SpaceTimeParams) -> Vec<f32> {
+    let (earlier, drift) = (&chain.lists[f - 1], drift(chain.roots, f));
+    chain.lists[f].iter().flat_map(|b| earlier.iter().map(move |a| step_cost(a, b, params, drift))).collect()
 }
 
-fn step_cost(a: &Candidate, b: &Candidate, weights: &PathWeights, drift: Vec2) -> f32 {
+pub(super) fn step_cost(a: &Candidate, b: &Candidate, params: &SpaceTimeParams, drift: Vec2) -> f32 {
     let n = a.pose.len();
     let length: f32 = a.pose.windows(2).map(|p| p[0].distance(p[1])).sum();
-    let (flow_reach, still_reach) = (1.0 / (weights.flow_reach * length), 1.0 / (weights.still_reach * length));
+    let (flow_reach, still_reach) = (1.0 / (params.flow_reach * length), 1.0 / (params.still_reach * length));
     let mut sum = 0.0;
     for (carried, other) in [(&a.next, &b.pose), (&b.last, &a.pose)] {
         if let Some(carried) = carried {
             for v in 0..n {
                 let miss = (carried.points[v].distance(other[v]) * flow_reach).min(1.0);
-                sum += 0.5 * weights.flow * carried.trust[v] * miss;
+                sum += 0.5 * params.flow * carried.trust[v] * miss;
             }
         }
     }
     for v in 0..n {
         let moved = ((b.pose[v] - a.pose[v] - drift).length() * still_reach).min(1.0);
-        sum += weights.still * moved * moved;
+        sum += params.still * moved * moved;
     }
     sum / n as f32
 }
@@ -196,23 +172,20 @@ mod tests {
 
     fn cost(lists: &[Vec<Candidate>], path: &[usize]) -> f32 {
         let own: f32 = path.iter().zip(lists).map(|(&i, l)| l[i].cost).sum();
-        let weights = PathWeights::default();
-        let step = |f: usize| step_cost(&lists[f - 1][path[f - 1]], &lists[f][path[f]], &weights, Vec2::ZERO);
+        let params = SpaceTimeParams::default();
+        let step = |f: usize| step_cost(&lists[f - 1][path[f - 1]], &lists[f][path[f]], &params, Vec2::ZERO);
         own + (1..lists.len()).map(step).sum::<f32>()
     }
 
-    fn all_paths() -> impl Iterator<Item = Vec<usize>> {
+    fn all_paths() -> impl Iterator<Item = Vec<usize>> + Clone {
         (0..256).map(|n| (0..4).map(|f| n >> (2 * f) & 3).collect())
     }
 
     #[test]
-    fn the_path_is_the_cheapest_of_all_and_path_costs_say_so() {
+    fn costs_through_one_limbs_candidates_are_those_of_the_cheapest_paths() {
         let lists = lists(0);
-        let weights = PathWeights::default();
-        let path = best_path(&lists, &weights, None);
-        let least = all_paths().map(|p| cost(&lists, &p)).fold(f32::INFINITY, f32::min);
-        assert!((cost(&lists, &path) - least).abs() < 1e-5);
-        let through = path_costs(&lists, &weights, None);
+        let group = Group { first: Chain { lists: &lists, roots: None }, second: None, together: &[] };
+        let through = costs_through(&group, &SpaceTimeParams::default());
         for f in 0..4 {
             for i in 0..4 {
                 let best = all_paths().filter(|p| p[f] == i).map(|p| cost(&lists, &p)).fold(f32::INFINITY, f32::min);
@@ -222,18 +195,34 @@ mod tests {
     }
 
     #[test]
-    fn two_limbs_are_solved_exactly_together() {
+    fn costs_through_pairs_are_those_of_the_cheapest_pairs_of_paths() {
         let (a, b) = (lists(0), lists(7));
         // The same index for both is forbidden.
         let together: Vec<Vec<f32>> =
             (0..4).map(|_| (0..16).map(|k| if k / 4 == k % 4 { 5.0 } else { 0.0 }).collect()).collect();
-        let [first, second] = best_paths([&a, &b], &together, &PathWeights::default(), [None, None]);
-        assert!(first.iter().zip(&second).all(|(i, j)| i != j));
-        let least = all_paths()
-            .flat_map(|p| all_paths().map(move |q| (p.clone(), q)))
-            .filter(|(p, q)| p.iter().zip(q).all(|(i, j)| i != j))
-            .map(|(p, q)| cost(&a, &p) + cost(&b, &q))
-            .fold(f32::INFINITY, f32::min);
-        assert!((cost(&a, &first) + cost(&b, &second) - least).abs() < 1e-4);
+        let chain = |lists| Chain { lists, roots: None };
+        let group = Group { first: chain(&a), second: Some(chain(&b)), together: &together };
+        let through = costs_through(&group, &SpaceTimeParams::default());
+        let mut best = vec![[f32::INFINITY; 16]; 4];
+        let costs: Vec<(Vec<usize>, f32)> = all_paths()
+            .map(|q| {
+                let c = cost(&b, &q);
+                (q, c)
+            })
+            .collect();
+        for p in all_paths() {
+            let own = cost(&a, &p);
+            for (q, other) in costs.iter().filter(|(q, _)| p.iter().zip(q).all(|(i, j)| i != j)) {
+                for f in 0..4 {
+                    let least = &mut best[f][p[f] * 4 + q[f]];
+                    *least = least.min(own + other);
+                }
+            }
+        }
+        for f in 0..4 {
+            for k in (0..16).filter(|k| k / 4 != k % 4) {
+                assert!((through[f][k] - best[f][k]).abs() < 1e-4);
+            }
+        }
     }
 }

@@ -1,19 +1,16 @@
 //! Finding a limb in one frame without knowing where it was: a beam search over bends.
 //!
 //! The limb grows from the joint it hangs by. A few turns along it, mixed linearly between, bend the drawn shape; at
-//! each step the best partial poses that differ are kept. Thin fast legs move farther between frames than any flow can
+//! each step the best partial poses that differ are kept, and those that reach the end are settled. Thin fast legs move farther between frames than any flow can
 //! follow, so their poses must come from looking, and time chooses among them (see `space_time`).
 
 use glam::Vec2;
 
+use super::params::SpaceTimeParams;
 use super::strip::{Strip, View};
 
 /// Turns along a limb.
 const CONTROLS: usize = 4;
-/// Partial poses kept at each step.
-const BEAM: usize = 64;
-/// Finished poses handed on.
-const FINISHED: usize = 16;
 /// First turns tried, in steps of this many radians, so many either way.
 const FIRST_STEP: f32 = 0.14;
 const FIRST_TURNS: i32 = 9;
@@ -41,6 +38,7 @@ pub(super) fn search(
     shape: &[Vec2],
     lengths: &[f32],
     root: Vec2,
+    params: &SpaceTimeParams,
 ) -> Vec<Vec<Vec2>> {
     let edges = shape.len() - 1;
     let controls = CONTROLS.min(edges.max(2));
@@ -75,10 +73,10 @@ pub(super) fn search(
                 grown.push(next);
             }
         }
-        let keep = if step + 1 == controls { FINISHED } else { BEAM };
+        let keep = if step + 1 == controls { params.found } else { params.beam };
         beam = distinct(grown, keep, from, SAME * total);
     }
-    beam.into_iter().map(|p| p.points).collect()
+    beam.into_iter().map(|p| settle(strip, view, frame, &p.points, false)).collect()
 }
 
 /// The cheapest `keep` whose vertices from `from` on differ by more than `least` pixels in the mean.
@@ -106,7 +104,8 @@ const SETTLING: [f32; 3] = [0.10, 0.05, 0.025];
 /// A small change of a pose.
 type Try = Box<dyn Fn(&[Vec2]) -> Vec<Vec2>>;
 
-/// The best fit near `pose`: turns at places along the limb, stretch, and shifts where `free`, tried in turn.
+/// The best fit near `pose`: turns at places along the limb and, tried in turn with them, shifts where it is `free`;
+/// where it is not, lengths, which change as a limb folds or leaves the image plane.
 pub(super) fn settle(strip: &Strip, view: &View<'_>, frame: usize, pose: &[Vec2], free: bool) -> Vec<Vec2> {
     let n = pose.len();
     let length: f32 = pose.windows(2).map(|p| p[0].distance(p[1])).sum();
@@ -120,6 +119,8 @@ pub(super) fn settle(strip: &Strip, view: &View<'_>, frame: usize, pose: &[Vec2]
             if free {
                 tries.push(Box::new(move |p| p.iter().map(|q| *q + Vec2::X * (sign * step * 0.3 * length)).collect()));
                 tries.push(Box::new(move |p| p.iter().map(|q| *q + Vec2::Y * (sign * step * 0.3 * length)).collect()));
+            } else {
+                tries.push(Box::new(move |p| p.iter().map(|q| p[0] + (*q - p[0]) * (1.0 + sign * step)).collect()));
             }
         }
         for attempt in &tries {

@@ -15,9 +15,10 @@ use super::crossings;
 use super::drawn::{key_planes, learn_foreground, radii, roots};
 use super::footage::Footage;
 use super::foreground::Foreground;
+use super::inertia::best_path;
 use super::limb_keys::LimbKeys;
-use super::params::LimbParams;
-use super::pose_path::{Candidate, PathWeights, best_path, best_paths, path_costs};
+use super::params::{LimbParams, SpaceTimeParams};
+use super::pose_path::{Candidate, Chain, Group, costs_through};
 use super::pose_search;
 use super::solving_order::{Turn, solving_order};
 use super::strip::{CLAIM_CELL, Hideable, Strip, View};
@@ -46,6 +47,7 @@ pub(super) struct Solved {
 
 /// Everything that is known of one limb before it is solved.
 pub(super) struct Task<'a> {
+    pub(super) params: &'a SpaceTimeParams,
     pub(super) footage: &'a Footage,
     pub(super) foreground: &'a Foreground,
     pub(super) keys: LimbKeys,
@@ -129,6 +131,7 @@ pub(super) fn solve(
             let stretch = vec![1.0; footage.frames()];
             let claims = far.then_some(&claims);
             tasks.push(Task {
+                params: &params.space_time,
                 footage: &footage,
                 foreground: &foreground,
                 keys,
@@ -289,14 +292,15 @@ fn solve_group(tasks: &mut [Task<'_>], claims: &Claims, ordered: bool, stage: St
         lists.push(list);
     }
     let tasks = &*tasks;
+    let rounds = tasks[0].params.rounds;
     let mut paths = best(tasks, &lists, claims, ordered);
-    for round in 0..ROUNDS {
+    for round in 0..rounds {
         for ((task, list), path) in tasks.iter().zip(&mut lists).zip(&paths) {
             let poses: Vec<Vec<Vec2>> = path.iter().zip(list.iter()).map(|(&i, l)| l[i].pose.clone()).collect();
             let added: Vec<Vec<Candidate>> = (0..frames)
                 .into_par_iter()
                 .map(|f| {
-                    stage.at(0.5 + 0.5 * (round as f64 + f as f64 / frames as f64) / ROUNDS as f64)?;
+                    stage.at(0.5 + 0.5 * (round as f64 + f as f64 / frames as f64) / rounds as f64)?;
                     Ok(near_poses(task, f, &poses).into_iter().map(|p| judged(task, f, p)).collect())
                 })
                 .collect::<Result<_>>()?;
@@ -316,7 +320,9 @@ fn solve_group(tasks: &mut [Task<'_>], claims: &Claims, ordered: bool, stage: St
     for ((i, task), poses) in tasks.iter().enumerate().zip(chosen) {
         // Of a pair in known order, the second may be behind the first.
         let front = if ordered && i > 0 { tasks.first().zip(solved.first()) } else { None };
-        let costs = path_costs(&lists[i], &PathWeights::default(), task.roots.as_deref());
+        let alone =
+            Group { first: Chain { lists: &lists[i], roots: task.roots.as_deref() }, second: None, together: &[] };
+        let costs = costs_through(&alone, tasks[0].params);
         let evidence = evidence(task, &poses, &lists[i], &costs, &trusts[i], front);
         let visible = evidence.iter().map(|e| e.iter().map(|e| !e.hidden).collect()).collect();
         let confidence = evidence.iter().map(|e| e.iter().map(Evidence::confidence).collect()).collect();
@@ -380,16 +386,17 @@ fn evidence(
 
 /// The best path of one limb, or of two that hide each other.
 fn best(tasks: &[Task<'_>], lists: &[Vec<Vec<Candidate>>], claims: &Claims, ordered: bool) -> Vec<Vec<usize>> {
-    let weights = PathWeights::default();
-    match (tasks, lists) {
-        ([a, b], [first, second]) => {
-            let together: Vec<Vec<f32>> = (0..first.len())
-                .into_par_iter()
-                .map(|f| together([a, b], claims, f, [&first[f], &second[f]], ordered))
-                .collect();
-            best_paths([first, second], &together, &weights, [a.roots.as_deref(), b.roots.as_deref()]).into()
-        }
-        _ => tasks.iter().zip(lists).map(|(task, list)| best_path(list, &weights, task.roots.as_deref())).collect(),
+    let together: Vec<Vec<f32>> = match (tasks, lists) {
+        ([a, b], [first, second]) => (0..first.len())
+            .into_par_iter()
+            .map(|f| together([a, b], claims, f, [&first[f], &second[f]], ordered))
+            .collect(),
+        _ => Vec::new(),
+    };
+    let chain = |i: usize| Some(Chain { lists: lists.get(i)?, roots: tasks.get(i)?.roots.as_deref() });
+    match chain(0) {
+        Some(first) => best_path(&Group { first, second: chain(1), together: &together }, tasks[0].params),
+        None => Vec::new(),
     }
 }
 
@@ -425,9 +432,6 @@ fn together(tasks: [&Task<'_>; 2], claims: &Claims, f: usize, lists: [&[Candidat
     out
 }
 
-/// Rounds of adding poses near the path.
-const ROUNDS: usize = 2;
-
 /// What a frame starts with: drawn poses alone on key frames; else the carried ones and what a search finds.
 fn first_poses(task: &Task<'_>, f: usize, ahead: &Reached, behind: &Reached) -> Vec<Vec<Vec2>> {
     let keys = &task.keys;
@@ -444,7 +448,15 @@ fn first_poses(task: &Task<'_>, f: usize, ahead: &Reached, behind: &Reached) -> 
         shapes.dedup();
         for key in shapes {
             let lengths = task.lengths(f);
-            poses.extend(pose_search::search(&task.strip, &task.view(f), f, &keys.poses[key], &lengths, roots[f]));
+            poses.extend(pose_search::search(
+                &task.strip,
+                &task.view(f),
+                f,
+                &keys.poses[key],
+                &lengths,
+                roots[f],
+                task.params,
+            ));
         }
     }
     poses
