@@ -42,10 +42,30 @@ impl FlowField {
             variational::refine(a, b, &mut found);
             flow = Some(found);
         }
-        let flow = flow.unwrap_or_else(|| Grid::new(1, 1, Vec2::ZERO));
+        Self::packed(&flow.unwrap_or_else(|| Grid::new(1, 1, Vec2::ZERO)))
+    }
+
+    /// From motions in cells, one a cell.
+    fn packed(flow: &Grid<Vec2>) -> Self {
         let fixed = |v: f32| (v * CELL * STEPS).round().clamp(f32::from(i16::MIN), f32::from(i16::MAX)) as i16;
         let cells = flow.data().iter().map(|v| [fixed(v.x), fixed(v.y)]).collect();
         Self { cells: Grid::from_vec(flow.width(), flow.height(), cells) }
+    }
+
+    /// The field that `motion` (picture pixels) gives over a picture of this size.
+    #[cfg(test)]
+    pub(crate) fn from_fn(width: usize, height: usize, motion: impl Fn(Vec2) -> Vec2) -> Self {
+        let (w, h) = (width / CELL as usize, height / CELL as usize);
+        let cells = (0..w * h).map(|i| {
+            let centre = Vec2::new((i % w) as f32 + 0.5, (i / w) as f32 + 0.5) * CELL;
+            motion(centre) / CELL
+        });
+        Self::packed(&Grid::from_vec(w, h, cells.collect()))
+    }
+
+    /// Width and height of the pictures, to a cell.
+    pub(crate) fn size(&self) -> Vec2 {
+        Vec2::new(self.cells.width() as f32, self.cells.height() as f32) * CELL
     }
 
     /// How far the place `p` (picture pixels) moves. Places outside take the border's motion.

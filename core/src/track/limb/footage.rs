@@ -1,8 +1,9 @@
 //! The clip as the tracker sees it: reduced pictures in Lab and the flow between neighbours, for all frames at once.
 
-use glam::Vec2;
+use glam::{Affine2, Vec2};
 use rayon::prelude::*;
 
+use super::camera::camera_motion;
 use crate::clip::Clip;
 use crate::error::Result;
 use crate::job::Stage;
@@ -67,6 +68,8 @@ pub(super) struct Footage {
     pub(super) forward: Vec<FlowField>,
     /// From every frame but the first to the one before; entry `t` starts at frame `t + 1`.
     pub(super) backward: Vec<FlowField>,
+    /// What the camera did from every frame but the last to the next.
+    camera: Vec<Affine2>,
 }
 
 impl Footage {
@@ -104,8 +107,21 @@ impl Footage {
             })
             .collect::<Result<_>>()?;
         let lab = frames.into_iter().map(|(lab, _)| lab).collect();
+        let camera = flows.par_iter().map(|(forward, backward)| camera_motion(forward, backward)).collect();
         let (forward, backward) = flows.into_iter().unzip();
-        Ok(Self { scale, lab, forward, backward })
+        Ok(Self { scale, lab, forward, backward, camera })
+    }
+
+    /// Where the place of the ground that is at `place` on frame `at` lies in every frame.
+    pub(super) fn on_the_ground(&self, place: Vec2, at: usize) -> Vec<Vec2> {
+        let mut path = vec![place; self.frames()];
+        for f in at + 1..path.len() {
+            path[f] = self.camera[f - 1].transform_point2(path[f - 1]);
+        }
+        for f in (0..at.min(path.len())).rev() {
+            path[f] = self.camera[f].inverse().transform_point2(path[f + 1]);
+        }
+        path
     }
 
     /// How many frames there are.

@@ -11,7 +11,7 @@ use glam::Vec2;
 use rayon::prelude::*;
 
 use super::params::SpaceTimeParams;
-use super::pose_path::{Chain, Group, costs_through, drift, least, step_cost};
+use super::pose_path::{Chain, Group, costs_through, least, step_cost};
 use crate::geometry::polyline;
 
 /// The candidate of every limb of the group in one frame; the second is 0 where there is one limb.
@@ -111,7 +111,7 @@ fn steps(group: &Group<'_>, f: usize, states: [&[State]; 2], own: &[f32], params
             here.iter().zip(own).map(move |(to, own)| {
                 group.chains().enumerate().fold(*own, |cost, (limb, chain)| {
                     let (a, b) = (&chain.lists[f - 1][from[limb]], &chain.lists[f][to[limb]]);
-                    cost + step_cost(a, b, params, drift(chain.roots, f))
+                    cost + step_cost(a, b, params, chain.rest[f] - chain.rest[f - 1])
                 })
             })
         })
@@ -140,7 +140,7 @@ impl Bends {
         let rows = [0, 1, 2].map(|k| used[k].iter().map(|c| distinct[k].partition_point(|d| d < c)).collect());
         let [first, second, third] = [0, 1, 2].map(|k| {
             let frame = f - 2 + k;
-            let root = chain.roots.map_or(Vec2::ZERO, |r| r[frame]);
+            let root = chain.rest[frame];
             let sights = |&c: &usize| -> [Vec2; SIGHTS] {
                 let pose = &chain.lists[frame][c].pose;
                 std::array::from_fn(|i| pose[(i + 1) * (pose.len() - 1) / SIGHTS] - root)
@@ -175,6 +175,8 @@ mod tests {
     use crate::track::limb::pose_path::Candidate;
     use glam::vec2;
 
+    const STILL: [Vec2; 9] = [Vec2::ZERO; 9];
+
     fn candidate(x: f32, cost: f32) -> Candidate {
         Candidate { pose: vec![vec2(0.0, 0.0), vec2(x, 100.0)], cost, next: None, last: None }
     }
@@ -200,7 +202,7 @@ mod tests {
                 a.iter().flat_map(|p| b.iter().map(move |q| taken(p, q))).collect()
             })
             .collect();
-        let chain = |i: usize| Chain { lists: &lists[i], roots: None };
+        let chain = |i: usize| Chain { lists: &lists[i], rest: &STILL };
         let group = Group { first: chain(0), second: Some(chain(1)), together: &together };
         let tips = |params: &SpaceTimeParams| -> Vec<f32> {
             best_path(&group, params)[0].iter().zip(&lists[0]).map(|(&c, list)| list[c].pose[1].x).collect()
@@ -220,7 +222,7 @@ mod tests {
         let lists: Vec<Vec<Candidate>> =
             (0..5).map(|_| (0..3).map(|_| candidate(80.0 * next(), 0.1 * next())).collect()).collect();
         let params = SpaceTimeParams::default();
-        let chain = Chain { lists: &lists, roots: None };
+        let chain = Chain { lists: &lists, rest: &STILL };
         let used = || [0, 1, 2].map(|_| vec![0, 1, 2]);
         let bends: Vec<Bends> = (2..5).map(|f| Bends::new(&chain, f, used(), &params)).collect();
         let cost = |path: &[usize]| {
@@ -240,7 +242,7 @@ mod tests {
         for frames in 1..3 {
             let lists: Vec<Vec<Candidate>> =
                 (0..frames).map(|_| vec![candidate(0.0, 0.3), candidate(9.0, 0.1)]).collect();
-            let group = Group { first: Chain { lists: &lists, roots: None }, second: None, together: &[] };
+            let group = Group { first: Chain { lists: &lists, rest: &STILL }, second: None, together: &[] };
             assert_eq!(best_path(&group, &SpaceTimeParams::default()), [vec![1; frames]]);
         }
     }

@@ -17,11 +17,12 @@ pub(super) struct Candidate {
     pub(super) last: Option<Carried>,
 }
 
-/// The possible poses of one limb, frame by frame, and where it hangs. Lists are not empty.
+/// The possible poses of one limb, frame by frame. Lists are not empty.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Chain<'a> {
     pub(super) lists: &'a [Vec<Candidate>],
-    pub(super) roots: Option<&'a [Vec2]>,
+    /// Where the limb would go without moving of its own, in every frame.
+    pub(super) rest: &'a [Vec2],
 }
 
 /// One or two limbs that are solved together.
@@ -121,13 +122,9 @@ pub(super) fn least(values: impl Iterator<Item = f32>) -> (usize, f32) {
     values.enumerate().fold((0, f32::INFINITY), |best, (i, v)| if v < best.1 { (i, v) } else { best })
 }
 
-pub(super) fn drift(roots: Option<&[Vec2]>, f: usize) -> Vec2 {
-    roots.map_or(Vec2::ZERO, |r| r[f] - r[f - 1])
-}
-
 /// For every candidate of frame `f`, the cost of coming from every one of the frame before.
 fn step_costs(chain: &Chain<'_>, f: usize, params: &SpaceTimeParams) -> Vec<f32> {
-    let (earlier, drift) = (&chain.lists[f - 1], drift(chain.roots, f));
+    let (earlier, drift) = (&chain.lists[f - 1], chain.rest[f] - chain.rest[f - 1]);
     chain.lists[f].iter().flat_map(|b| earlier.iter().map(move |a| step_cost(a, b, params, drift))).collect()
 }
 
@@ -155,6 +152,8 @@ pub(super) fn step_cost(a: &Candidate, b: &Candidate, params: &SpaceTimeParams, 
 mod tests {
     use super::*;
     use glam::vec2;
+
+    const STILL: [Vec2; 4] = [Vec2::ZERO; 4];
 
     fn candidate(x: f32, cost: f32) -> Candidate {
         Candidate { pose: vec![vec2(0.0, 0.0), vec2(x, 100.0)], cost, next: None, last: None }
@@ -184,7 +183,7 @@ mod tests {
     #[test]
     fn costs_through_one_limbs_candidates_are_those_of_the_cheapest_paths() {
         let lists = lists(0);
-        let group = Group { first: Chain { lists: &lists, roots: None }, second: None, together: &[] };
+        let group = Group { first: Chain { lists: &lists, rest: &STILL }, second: None, together: &[] };
         let through = costs_through(&group, &SpaceTimeParams::default());
         for f in 0..4 {
             for i in 0..4 {
@@ -200,7 +199,7 @@ mod tests {
         // The same index for both is forbidden.
         let together: Vec<Vec<f32>> =
             (0..4).map(|_| (0..16).map(|k| if k / 4 == k % 4 { 5.0 } else { 0.0 }).collect()).collect();
-        let chain = |lists| Chain { lists, roots: None };
+        let chain = |lists| Chain { lists, rest: &STILL };
         let group = Group { first: chain(&a), second: Some(chain(&b)), together: &together };
         let through = costs_through(&group, &SpaceTimeParams::default());
         let mut best = vec![[f32::INFINITY; 16]; 4];

@@ -53,6 +53,8 @@ pub(super) struct Task<'a> {
     pub(super) keys: LimbKeys,
     pub(super) strip: Strip,
     pub(super) roots: Option<Vec<Vec2>>,
+    /// Where it would go without moving of its own: with the joint it hangs by, or with the ground.
+    rest: Vec<Vec2>,
     claims: Option<&'a Claims>,
     /// Whether others hang from it.
     carries: bool,
@@ -130,6 +132,10 @@ pub(super) fn solve(
             let strip = Strip::new(radii, &views, !carries);
             let stretch = vec![1.0; footage.frames()];
             let claims = far.then_some(&claims);
+            let rest = roots.clone().unwrap_or_else(|| {
+                let middle = keys.poses[0][keys.vertices() / 2];
+                footage.on_the_ground(middle, keys.frames[0])
+            });
             tasks.push(Task {
                 params: &params.space_time,
                 footage: &footage,
@@ -137,6 +143,7 @@ pub(super) fn solve(
                 keys,
                 strip,
                 roots,
+                rest,
                 claims,
                 carries,
                 stretch,
@@ -320,8 +327,7 @@ fn solve_group(tasks: &mut [Task<'_>], claims: &Claims, ordered: bool, stage: St
     for ((i, task), poses) in tasks.iter().enumerate().zip(chosen) {
         // Of a pair in known order, the second may be behind the first.
         let front = if ordered && i > 0 { tasks.first().zip(solved.first()) } else { None };
-        let alone =
-            Group { first: Chain { lists: &lists[i], roots: task.roots.as_deref() }, second: None, together: &[] };
+        let alone = Group { first: Chain { lists: &lists[i], rest: &task.rest }, second: None, together: &[] };
         let costs = costs_through(&alone, tasks[0].params);
         let evidence = evidence(task, &poses, &lists[i], &costs, &trusts[i], front);
         let visible = evidence.iter().map(|e| e.iter().map(|e| !e.hidden).collect()).collect();
@@ -393,7 +399,7 @@ fn best(tasks: &[Task<'_>], lists: &[Vec<Vec<Candidate>>], claims: &Claims, orde
             .collect(),
         _ => Vec::new(),
     };
-    let chain = |i: usize| Some(Chain { lists: lists.get(i)?, roots: tasks.get(i)?.roots.as_deref() });
+    let chain = |i: usize| Some(Chain { lists: lists.get(i)?, rest: &tasks.get(i)?.rest });
     match chain(0) {
         Some(first) => best_path(&Group { first, second: chain(1), together: &together }, tasks[0].params),
         None => Vec::new(),
