@@ -41,7 +41,7 @@ pub(super) fn best_path(group: &Group<'_>, params: &SpaceTimeParams) -> Vec<Vec<
             .chains()
             .enumerate()
             .map(|(limb, chain)| {
-                Bends::new(&chain, f, [0, 1, 2].map(|k| states[f - 2 + k].iter().map(|s| s[limb]).collect()), params)
+                Bends::new(&chain, f, &[0, 1, 2].map(|k| states[f - 2 + k].iter().map(|s| s[limb]).collect()), params)
             })
             .collect();
         let rows: Vec<(Vec<f32>, Vec<u16>)> = (0..n)
@@ -131,7 +131,7 @@ struct Bends {
 
 impl Bends {
     /// Of the frames `f - 2`, `f - 1` and `f`; `used` are the limb's candidates in the states there.
-    fn new(chain: &Chain<'_>, f: usize, used: [Vec<usize>; 3], params: &SpaceTimeParams) -> Self {
+    fn new(chain: &Chain<'_>, f: usize, used: &[Vec<usize>; 3], params: &SpaceTimeParams) -> Self {
         let distinct = used.clone().map(|mut candidates| {
             candidates.sort_unstable();
             candidates.dedup();
@@ -193,7 +193,7 @@ mod tests {
         // They start where they were drawn; looks alone would have the left one turn back.
         lists[0][0].truncate(1);
         lists[1][0].remove(0);
-        lists[0][5..].iter_mut().for_each(|l| l[0].cost -= 0.01);
+        lists[0][5..].iter_mut().for_each(|l| l[0].cost -= 0.002);
         let together: Vec<Vec<f32>> = lists[0]
             .iter()
             .zip(&lists[1])
@@ -223,8 +223,8 @@ mod tests {
             (0..5).map(|_| (0..3).map(|_| candidate(80.0 * next(), 0.1 * next())).collect()).collect();
         let params = SpaceTimeParams::default();
         let chain = Chain { lists: &lists, rest: &STILL };
-        let used = || [0, 1, 2].map(|_| vec![0, 1, 2]);
-        let bends: Vec<Bends> = (2..5).map(|f| Bends::new(&chain, f, used(), &params)).collect();
+        let used = [0, 1, 2].map(|_| vec![0, 1, 2]);
+        let bends: Vec<Bends> = (2..5).map(|f| Bends::new(&chain, f, &used, &params)).collect();
         let cost = |path: &[usize]| {
             let own: f32 = path.iter().zip(&lists).map(|(&c, l)| l[c].cost).sum();
             let step = |f: usize| step_cost(&lists[f - 1][path[f - 1]], &lists[f][path[f]], &params, Vec2::ZERO);

@@ -1,4 +1,5 @@
-//! The order in which limbs are solved: from the body outward, each hanging from one already solved.
+//! The order in which limbs are solved, from the body outward, each hanging from one already solved; and which of them are
+//! solved together.
 //!
 //! The skeleton's own roots follow drawing lengths; tracking wants the limb that holds the others first, because its
 //! texture is the largest and nothing of its kind hides it.
@@ -66,4 +67,48 @@ pub(super) fn solving_order(rig: &Rig, skeleton: &Skeleton) -> Vec<Turn> {
 
 fn both_ends_joined(limb: usize, limbs: usize, ends: &dyn Fn(usize) -> [usize; 2]) -> bool {
     ends(limb).iter().all(|e| (0..limbs).any(|o| o != limb && ends(o).contains(e)))
+}
+
+/// Limbs that are solved together: pairs that may be mistaken for each other, near one first; the rest alone.
+pub(super) fn groups(rig: &Rig, turns: &[Turn]) -> Vec<Vec<Turn>> {
+    let carries = |l: usize| turns.iter().any(|t| t.from.is_some_and(|(p, _)| p == l));
+    let mut placed = vec![false; rig.limbs.len()];
+    let mut groups = Vec::new();
+    for turn in turns {
+        if placed[turn.limb] {
+            continue;
+        }
+        placed[turn.limb] = true;
+        let mut group = vec![*turn];
+        if !carries(turn.limb)
+            && let Some(other) = twin(rig, turns, *turn).filter(|t| !placed[t.limb] && !carries(t.limb))
+        {
+            placed[other.limb] = true;
+            group.push(other);
+            group.sort_by_key(|t| rig.limbs[t.limb].side == Some(Side::Far));
+        }
+        groups.push(group);
+    }
+    groups
+}
+
+/// The other of a pair: as the rig says; or, where it says nothing of sides, the limb on the same joint that is most
+/// alike in length.
+fn twin(rig: &Rig, turns: &[Turn], turn: Turn) -> Option<Turn> {
+    let of = |l: usize| turns.iter().find(|t| t.limb == l).copied();
+    if let Some(limb) = rig.twin(turn.limb) {
+        return of(limb);
+    }
+    let unsided = |l: usize| rig.limbs[l].side.is_none();
+    let ratio = |l: usize| {
+        let (a, b) = (rig.length_hint(l), rig.length_hint(turn.limb));
+        a.min(b) / a.max(b)
+    };
+    turn.from?;
+    turns
+        .iter()
+        .filter(|t| t.limb != turn.limb && t.from == turn.from && unsided(t.limb) && unsided(turn.limb))
+        .filter(|t| ratio(t.limb) > 0.8)
+        .max_by(|a, b| ratio(a.limb).total_cmp(&ratio(b.limb)))
+        .copied()
 }

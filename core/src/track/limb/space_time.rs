@@ -20,7 +20,7 @@ use super::limb_keys::LimbKeys;
 use super::params::{LimbParams, SpaceTimeParams};
 use super::pose_path::{Candidate, Chain, Group, costs_through};
 use super::pose_search;
-use super::solving_order::{Turn, solving_order};
+use super::solving_order::{groups, solving_order};
 use super::strip::{CLAIM_CELL, Hideable, Strip, View};
 use super::unexplained::Unexplained;
 use crate::clip::Clip;
@@ -163,50 +163,6 @@ pub(super) fn solve(
     Ok(out.map(|(s, l)| finish(s, turns.iter().any(|t| t.limb == l && t.reversed), footage.scale)).collect())
 }
 
-/// Limbs that are solved together: pairs that may be mistaken for each other, near one first; the rest alone.
-fn groups(rig: &Rig, turns: &[Turn]) -> Vec<Vec<Turn>> {
-    let carries = |l: usize| turns.iter().any(|t| t.from.is_some_and(|(p, _)| p == l));
-    let mut placed = vec![false; rig.limbs.len()];
-    let mut groups = Vec::new();
-    for turn in turns {
-        if placed[turn.limb] {
-            continue;
-        }
-        placed[turn.limb] = true;
-        let mut group = vec![*turn];
-        if !carries(turn.limb)
-            && let Some(other) = twin(rig, turns, *turn).filter(|t| !placed[t.limb] && !carries(t.limb))
-        {
-            placed[other.limb] = true;
-            group.push(other);
-            group.sort_by_key(|t| rig.limbs[t.limb].side == Some(Side::Far));
-        }
-        groups.push(group);
-    }
-    groups
-}
-
-/// The other of a pair: as the rig says; or, where it says nothing of sides, the limb on the same joint that is most
-/// alike in length.
-fn twin(rig: &Rig, turns: &[Turn], turn: Turn) -> Option<Turn> {
-    let of = |l: usize| turns.iter().find(|t| t.limb == l).copied();
-    if let Some(limb) = rig.twin(turn.limb) {
-        return of(limb);
-    }
-    let unsided = |l: usize| rig.limbs[l].side.is_none();
-    let ratio = |l: usize| {
-        let (a, b) = (rig.length_hint(l), rig.length_hint(turn.limb));
-        a.min(b) / a.max(b)
-    };
-    turn.from?;
-    turns
-        .iter()
-        .filter(|t| t.limb != turn.limb && t.from == turn.from && unsided(t.limb) && unsided(turn.limb))
-        .filter(|t| ratio(t.limb) > 0.8)
-        .max_by(|a, b| ratio(a.limb).total_cmp(&ratio(b.limb)))
-        .copied()
-}
-
 fn finish(solved: Solved, reversed: bool, scale: f32) -> Trajectory {
     let Solved { mut poses, mut visible, mut confidence } = solved;
     poses.iter_mut().flatten().for_each(|p| *p /= scale);
@@ -302,13 +258,17 @@ fn solve_group(tasks: &mut [Task<'_>], claims: &Claims, ordered: bool, stage: St
     let rounds = tasks[0].params.rounds;
     let mut paths = best(tasks, &lists, claims, ordered);
     for round in 0..rounds {
-        for ((task, list), path) in tasks.iter().zip(&mut lists).zip(&paths) {
-            let poses: Vec<Vec<Vec2>> = path.iter().zip(list.iter()).map(|(&i, l)| l[i].pose.clone()).collect();
+        let chosen = chosen_poses(&paths, &lists);
+        for (i, (task, list)) in tasks.iter().zip(&mut lists).enumerate() {
+            let other = if i == 0 { chosen.get(1) } else { chosen.first() };
             let added: Vec<Vec<Candidate>> = (0..frames)
                 .into_par_iter()
                 .map(|f| {
                     stage.at(0.5 + 0.5 * (round as f64 + f as f64 / frames as f64) / rounds as f64)?;
-                    Ok(near_poses(task, f, &poses).into_iter().map(|p| judged(task, f, p)).collect())
+                    Ok(near_poses(task, f, &chosen[i], other.map(|o| o[f].as_slice()))
+                        .into_iter()
+                        .map(|p| judged(task, f, p))
+                        .collect())
                 })
                 .collect::<Result<_>>()?;
             for (list, new) in list.iter_mut().zip(added) {
@@ -317,11 +277,7 @@ fn solve_group(tasks: &mut [Task<'_>], claims: &Claims, ordered: bool, stage: St
         }
         paths = best(tasks, &lists, claims, ordered);
     }
-    let mut chosen: Vec<Vec<Vec<Vec2>>> = paths
-        .iter()
-        .zip(&lists)
-        .map(|(path, lists)| path.iter().zip(lists).map(|(&c, l)| l[c].pose.clone()).collect())
-        .collect();
+    let mut chosen = chosen_poses(&paths, &lists);
     untangle(tasks, &mut chosen);
     let mut solved: Vec<Solved> = Vec::with_capacity(count);
     for ((i, task), poses) in tasks.iter().enumerate().zip(chosen) {
@@ -335,6 +291,14 @@ fn solve_group(tasks: &mut [Task<'_>], claims: &Claims, ordered: bool, stage: St
         solved.push(Solved { poses, visible, confidence });
     }
     Ok(solved)
+}
+
+/// The poses on the paths, of every limb in every frame.
+fn chosen_poses(paths: &[Vec<usize>], lists: &[Vec<Vec<Candidate>>]) -> Vec<Vec<Vec<Vec2>>> {
+    let of = |(path, lists): (&Vec<usize>, &Vec<Vec<Candidate>>)| {
+        path.iter().zip(lists).map(|(&c, list)| list[c].pose.clone()).collect()
+    };
+    paths.iter().zip(lists).map(of).collect()
 }
 
 /// Gives the limbs of a pair back their own poses where they bounced off each other.
@@ -468,8 +432,9 @@ fn first_poses(task: &Task<'_>, f: usize, ahead: &Reached, behind: &Reached) -> 
     poses
 }
 
-/// Poses worth trying around a path: its neighbours in time carried here, between them, and a better fit nearby.
-fn near_poses(task: &Task<'_>, f: usize, path: &[Vec<Vec2>]) -> Vec<Vec<Vec2>> {
+/// Poses worth trying around a path: its neighbours in time carried here, between them, where the `other` of its pair is,
+/// and a better fit near each.
+fn near_poses(task: &Task<'_>, f: usize, path: &[Vec<Vec2>], other: Option<&[Vec2]>) -> Vec<Vec<Vec2>> {
     if task.keys.frames.contains(&f) {
         return Vec::new();
     }
@@ -484,6 +449,7 @@ fn near_poses(task: &Task<'_>, f: usize, path: &[Vec<Vec2>]) -> Vec<Vec<Vec2>> {
     if f > 0 && f + 1 < path.len() {
         poses.push(path[f - 1].iter().zip(&path[f + 1]).map(|(a, b)| a.lerp(*b, 0.5)).collect());
     }
+    poses.extend(other.map(|o| crossings::as_other(o, path[f][0], path[f].len())));
     let view = task.view(f);
     let starts: Vec<Vec<Vec2>> = poses.iter().cloned().chain([path[f].clone()]).collect();
     poses.extend(starts.into_iter().map(|p| pose_search::settle(&task.strip, &view, f, &p, task.roots.is_none())));
