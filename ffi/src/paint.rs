@@ -156,7 +156,7 @@ pub unsafe extern "C" fn mry_rig_paint_mask(
         let pixels = border::slice(pixels, size, isize::MAX as usize, "pixels")?;
         let (width, height) = call.rig(rig, |rig| Ok((rig.size.0 as usize, rig.size.1 as usize)))?;
         let stride = if stride_bytes == 0 { width } else { stride_bytes };
-        let needed = stride.checked_mul(height - 1).and_then(|rows| rows.checked_add(width));
+        let needed = height.checked_sub(1).and_then(|rows| stride.checked_mul(rows)?.checked_add(width));
         if stride < width || needed.is_none_or(|n| size < n) {
             let message = format!("{size} bytes with {stride} a row are no mask of {width}x{height}");
             return Err(Failure::argument("size", message));
