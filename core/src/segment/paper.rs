@@ -1,10 +1,11 @@
 //! The segmentation of Reinert 2016, section 3.6, as printed.
 //!
 //! A bilateral filter in five rounds, two soft histograms over the whole clip (of the stroke vertices, of a box around
-//! the strokes), and a cost volume that is blurred and thresholded. The text leaves open what is compared with 0.75;
-//! here it is the cost of "creature", `background / (creature + background)`, the only reading under which a higher
-//! threshold gives the larger masks the paper wants. Kept to be measured against; it loses where creature and
-//! surroundings share colours.
+//! the strokes), and a volume that is blurred and thresholded. The text leaves open what is compared with 0.75. Here it
+//! is the creature's share of a colour's likelihood, `creature / (creature + background)`. Taken instead as a cost that
+//! the creature stays below, as the text's wish for larger masks suggests, the same number gives masks that are mostly
+//! background on filmed clips (a cow overlaps with the truth by 21 % instead of 51 %, a swan by 31 instead of 66). Kept
+//! to be measured against; it loses where creature and surroundings share colours.
 
 use rayon::prelude::*;
 
@@ -70,14 +71,14 @@ pub(super) fn masks(working: &Working, limbs: &Limbs, params: &PaperParams, stag
         .par_iter()
         .map(|image| {
             stage.at(0.9)?;
-            let cost = image.data().iter().map(|&colour| {
+            let share = image.data().iter().map(|&colour| {
                 let (f, b) = (creature.of(colour), background.of(colour));
-                // A colour that neither side has seen costs one half.
-                if f + b > 1e-6 { b / (f + b) } else { 0.5 }
+                // A colour that neither side has seen may be either's.
+                if f + b > 1e-6 { f / (f + b) } else { 0.5 }
             });
-            let cost = Grid::from_vec(image.width(), image.height(), cost.collect());
-            let cost = gaussian(&cost, params.blur * pixel);
-            Ok(Mask::from_fn(image.width(), image.height(), |x, y| cost.get(x, y) < params.threshold))
+            let share = Grid::from_vec(image.width(), image.height(), share.collect());
+            let share = gaussian(&share, params.blur * pixel);
+            Ok(Mask::from_fn(image.width(), image.height(), |x, y| share.get(x, y) > params.threshold))
         })
         .collect::<Vec<Result<Mask>>>()
         .into_iter()

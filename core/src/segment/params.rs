@@ -6,7 +6,7 @@ pub enum Method {
     /// Learned limb shapes, local colours, the background seen in other frames, and exact cuts.
     #[default]
     Layered,
-    /// Reinert 2016, section 3.6: two global colour histograms and a blurred, thresholded cost volume.
+    /// Reinert 2016, section 3.6: two global colour histograms and a blurred, thresholded volume.
     Paper,
 }
 
@@ -46,12 +46,12 @@ pub struct PaperParams {
     pub bins: usize,
     /// Blur of the histograms, in bins (paper: 2).
     pub softness: f32,
-    /// Blur of the cost volume, in pixels of a 512 x 512 image (paper: about 2).
+    /// Blur of the volume, in pixels of a 512 x 512 image (paper: about 2).
     pub blur: f32,
-    /// Creature is where its cost is below this (paper: 0.75).
+    /// Creature is where its share of a colour's likelihood, blurred, is above this (paper: 0.75).
     pub threshold: f32,
     /// Distance of the background box from the strokes' bounding box, as a share of that box's longer side (the paper
-    /// says "slightly offset").
+    /// says "slightly offset"; it must clear the thickness of the body around its stroke).
     pub offset: f32,
 }
 
@@ -81,7 +81,7 @@ impl Default for PaperParams {
             softness: 2.0,
             blur: 2.0,
             threshold: 0.75,
-            offset: 0.1,
+            offset: 0.25,
         }
     }
 }
