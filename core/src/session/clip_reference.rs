@@ -52,7 +52,7 @@ impl ClipReference {
         if path.to_str().is_none() {
             return Err(Error::file(&path, "has a name that is not UTF-8", "rename it"));
         }
-        let (bytes, crc32) = content(&path, stage)?;
+        let (bytes, crc32) = content(&path, u64::MAX, stage)?;
         Ok(Self { path, bytes, crc32, size: (info.width, info.height), frames: info.frames, fps: info.fps })
     }
 
@@ -69,10 +69,11 @@ impl ClipReference {
     pub fn state(&self, stage: Stage<'_>) -> Result<ClipState> {
         match std::fs::metadata(&self.path) {
             Err(_) => return Ok(ClipState::Missing),
-            Ok(meta) if meta.is_file() && meta.len() != self.bytes => return Ok(ClipState::Changed),
-            Ok(_) => {}
+            Ok(meta) if meta.is_dir() || meta.is_file() && meta.len() == self.bytes => {}
+            // Another file, or what never ends, such as a device.
+            Ok(_) => return Ok(ClipState::Changed),
         }
-        match content(&self.path, stage) {
+        match content(&self.path, self.bytes, stage) {
             Err(Error::Cancelled) => Err(Error::Cancelled),
             Ok(found) if found == (self.bytes, self.crc32) => Ok(ClipState::Unchanged),
             _ => Ok(ClipState::Changed),
@@ -80,8 +81,8 @@ impl ClipReference {
     }
 }
 
-/// Bytes and CRC-32 of a file, or of a folder's files by name.
-fn content(path: &Path, stage: Stage<'_>) -> Result<(u64, u32)> {
+/// Bytes and CRC-32 of a file, or of a folder's files by name; not of all where there are more than `most` bytes.
+fn content(path: &Path, most: u64, stage: Stage<'_>) -> Result<(u64, u32)> {
     let mut files = vec![path.to_owned()];
     let folder = path.is_dir();
     if folder {
@@ -92,6 +93,9 @@ fn content(path: &Path, stage: Stage<'_>) -> Result<(u64, u32)> {
     }
     let (mut sum, mut bytes, mut buffer) = (crc32fast::Hasher::new(), 0, vec![0; 1 << 20]);
     for (done, file) in files.iter().enumerate() {
+        if bytes > most {
+            break;
+        }
         if folder {
             sum.update(file.file_name().unwrap_or_default().as_encoded_bytes());
         }

@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use super::durable::{beside, sync_folder};
+use super::durable::{beside, replace, sync_folder};
 use super::edit::Edit;
 use super::record;
 use crate::error::{Error, Result};
@@ -61,47 +61,65 @@ pub(super) fn path_of(session: &Path) -> PathBuf {
     beside(session, "-journal")
 }
 
-/// Reads the journal of the session `id` whose file has all gestures up to `saved`.
-pub(super) fn read(bytes: &[u8], id: &str, saved: u64) -> Read {
+/// Reads the journal of the session `id`, in the file `session`, which has all gestures up to `saved`.
+///
+/// # Errors
+/// It is of a newer version.
+pub(super) fn read(bytes: &[u8], session: &Path, id: &str, saved: u64) -> Result<Read> {
     let mut read = Read::default();
     let mut lines = record::lines(bytes);
-    let Some(first) = lines.next() else { return read };
+    let Some(first) = lines.next() else { return Ok(read) };
     let header: Option<Header> = first.text.and_then(|text| serde_json::from_str(text).ok());
     match header {
         None if first.torn => {
             read.lost.push("the first gesture since the last save was cut off".into());
-            return read;
+            return Ok(read);
+        }
+        Some(h) if h.format == FORMAT && h.version > VERSION => {
+            let problem = format!("is {FORMAT} version {}", h.version);
+            let remedy = format!("this program reads version {VERSION}; open the session with a newer one");
+            return Err(Error::file(path_of(session), problem, remedy));
         }
         Some(h) if h.format == FORMAT && h.version == VERSION && h.session == id => {}
         _ => {
             read.lost
                 .push("the journal is not of this session, or its beginning is damaged; nothing of it is used".into());
             read.damaged = true;
-            return read;
+            return Ok(read);
         }
     }
+    // The number of a file that was made to deceive may be the last there is.
+    let first = saved.saturating_add(1);
     let mut next = None;
     for line in lines {
         let entry: Option<Entry> = line.text.and_then(|text| serde_json::from_str(text).ok());
-        let Some(entry) =
-            entry.filter(|e| next.is_none_or(|n| e.number == n) && (next.is_some() || e.number <= saved + 1))
+        let Some(entry) = entry.filter(|e| next.is_none_or(|n| e.number == n) && (next.is_some() || e.number <= first))
         else {
+            let from = next.unwrap_or(first);
             if line.torn {
-                read.lost.push(format!("gesture {} was cut off and is lost", next.unwrap_or(saved + 1)));
+                read.lost.push(format!("gesture {from} was cut off and is lost"));
             } else {
-                let from = next.unwrap_or(saved + 1);
                 read.lost
                     .push(format!("the journal cannot be read from gesture {from} on; that and later ones are lost"));
                 read.damaged = true;
             }
-            return read;
+            return Ok(read);
         };
-        next = Some(entry.number + 1);
+        next = Some(entry.number.saturating_add(1));
         if entry.number > saved {
             read.entries.push((entry, line.end as u64));
         }
     }
-    read
+    Ok(read)
+}
+
+/// The bytes of a session's journal; none where there is no journal.
+pub(super) fn bytes_of(session: &Path) -> Result<Vec<u8>> {
+    let path = path_of(session);
+    match std::fs::read(&path) {
+        Err(e) if e.kind() == std::io::ErrorKind::NotFound => Ok(Vec::new()),
+        read => read.map_err(|e| Error::io(&path, "read", e)),
+    }
 }
 
 /// Whether a program is editing the session at `session` now.
@@ -157,8 +175,7 @@ impl Journal {
     /// none. Where that leaves out anything but a torn end, `bytes`, which is all of it, is kept aside first.
     pub(super) fn resume(&mut self, bytes: &[u8], id: &str, used: u64, damaged: bool) -> Result<()> {
         if damaged {
-            let aside = beside(&self.path, "-damaged");
-            std::fs::write(&aside, bytes).map_err(|e| Error::io(&aside, "write", e))?;
+            replace(&beside(&self.path, "-damaged"), bytes)?;
         }
         self.session = id.to_owned();
         self.cut(used)

@@ -206,7 +206,7 @@ impl Session {
 
     /// Counts a finished gesture, once it is in the journal.
     fn finish(&mut self, way: Way, label: &str, edits: Vec<Edit>) -> Result<()> {
-        let number = self.number + 1;
+        let number = self.number.saturating_add(1);
         self.store.append(&Entry { number, way, label: label.to_owned(), edits })?;
         self.number = number;
         Ok(())

@@ -71,7 +71,7 @@ impl Outdated {
 
 /// How many frames there are to track: the clip's, or as many as are drawn on.
 fn frame_count(inputs: &Inputs) -> usize {
-    let drawn = inputs.rig.keyframes.last().map_or(0, |k| k.frame + 1);
+    let drawn = inputs.rig.keyframes.last().map_or(0, |k| k.frame.saturating_add(1));
     inputs.clip.as_ref().map_or(drawn, |clip| clip.frames)
 }
 
@@ -96,7 +96,7 @@ fn touched(old: &[(usize, &Stroke)], new: &[(usize, &Stroke)], frames: usize) ->
     let mut ranges: Vec<Range<usize>> = Vec::new();
     for frame in changed {
         let next = kept.partition_point(|&k| k < frame);
-        let from = next.checked_sub(1).map_or(0, |before| kept[before] + 1);
+        let from = next.checked_sub(1).map_or(0, |before| kept[before].saturating_add(1));
         let to = kept.get(next).copied().unwrap_or(frames).min(frames);
         if from < to && ranges.last().is_none_or(|last| last.end <= from) {
             ranges.push(from..to);

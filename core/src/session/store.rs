@@ -124,7 +124,7 @@ impl Session {
         // The journal comes first: what it lacks because of a save meanwhile, the file has.
         let (journal, bytes) = match access {
             Access::Edit => Journal::lock(&path).map(|(journal, bytes)| (Some(journal), bytes))?,
-            Access::ReadOnly => (None, std::fs::read(journal::path_of(&path)).unwrap_or_default()),
+            Access::ReadOnly => (None, journal::bytes_of(&path)?),
         };
         let Contents { document, id, saved, scratch, unknown, lost } = session_file::read(&path)?;
         let damaged = !lost.is_empty();
@@ -133,7 +133,7 @@ impl Session {
         let mut session =
             Self { document, history, number: saved, saved: was_saved, unknown, warnings: lost, ..Self::default() };
 
-        let mut read = journal::read(&bytes, id.as_deref().unwrap_or_default(), saved);
+        let mut read = journal::read(&bytes, &path, id.as_deref().unwrap_or_default(), saved)?;
         session.warnings.append(&mut read.lost);
         let mut used = 0;
         for (entry, end) in read.entries {

@@ -214,6 +214,41 @@ fn what_is_saved_is_read_and_what_is_not_known_is_kept_or_refused() {
     assert!(refusal("\"facing\"", "\"colour\":1,\"facing\"").contains("colour"));
     assert!(refusal("\"size\":[100,80],\"limbs\"", "\"size\":[0,0],\"limbs\"").contains("size is empty"));
     assert!(refusal("marey-session", "marey-strokes").contains("marey-strokes"));
+
+    // A journal of a newer version is refused too, and stays as it is.
+    std::fs::write(&path, &text).expect("written");
+    let newer =
+        record::encode(&serde_json::json!({"format": "marey-journal", "version": 2, "session": ""})).expect("text");
+    std::fs::write(path_of(&path), &newer).expect("written");
+    let error = Session::open(&path, Access::Edit, Progress::new().whole()).expect_err("newer").to_string();
+    assert!(error.contains("version 2") && error.contains("walk.marey-journal"), "{error}");
+    assert_eq!(std::fs::read_to_string(path_of(&path)).expect("kept"), newer);
+}
+
+#[test]
+fn the_largest_numbers_are_numbers_like_others() {
+    let (_keep, folder) = folder();
+    let path = folder.join("walk.marey");
+    let mut session = Session::create(&path).expect("created");
+    session.set_clip(Some(clip(&folder.join("clip.mp4")))).expect("a clip");
+    session.add_limb("body", None).expect("a limb");
+    session.set_stroke(0, usize::MAX, bar(20.0), None).expect("a stroke");
+    let edit = session.set_stroke(0, usize::MAX - 1, bar(20.0), None).expect("a stroke");
+    assert_eq!(edit.limbs[0].frames[0].end, 40, "no further than the clip");
+    session.set_clip(None).expect("no clip");
+    session.undo().expect("undone");
+    session.save().expect("saved");
+    drop(session);
+    let text = std::fs::read_to_string(&path).expect("read");
+    let json = text.lines().next().and_then(|l| l.splitn(3, ' ').nth(2)).expect("a header");
+    let mut header: serde_json::Value = serde_json::from_str(json).expect("JSON");
+    header["saved"] = u64::MAX.into();
+    let rest = text.split_inclusive('\n').skip(1).collect::<String>();
+    std::fs::write(&path, record::encode(&header).expect("text") + &rest).expect("written");
+    let mut session = open(&path);
+    session.set_stroke(0, 5, bar(20.0), None).expect("a stroke");
+    drop(session);
+    assert!(Session::open(&path, Access::ReadOnly, Progress::new().whole()).is_ok());
 }
 
 /// Files of a session with something saved and something not, and all its states.
