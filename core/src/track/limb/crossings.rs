@@ -78,7 +78,8 @@ pub(super) fn as_other(pose: &[Vec2], root: Vec2, count: usize) -> Vec<Vec2> {
     out
 }
 
-fn median(mut values: Vec<f32>) -> f32 {
+/// The middle value; 0 of none.
+pub(super) fn median(mut values: Vec<f32>) -> f32 {
     values.sort_by(f32::total_cmp);
     values.get(values.len() / 2).copied().unwrap_or(0.0)
 }

@@ -9,6 +9,7 @@ mod crossings;
 mod drawn;
 mod footage;
 mod foreground;
+mod gait;
 mod inertia;
 mod limb_keys;
 mod limb_width;

@@ -15,6 +15,7 @@ use super::crossings;
 use super::drawn::{key_planes, learn_foreground, radii, roots};
 use super::footage::Footage;
 use super::foreground::Foreground;
+use super::gait::Gait;
 use super::inertia::best_path;
 use super::limb_keys::LimbKeys;
 use super::params::{LimbParams, SpaceTimeParams};
@@ -258,17 +259,21 @@ fn solve_group(tasks: &mut [Task<'_>], claims: &Claims, ordered: bool, stage: St
     let rounds = tasks[0].params.rounds;
     let mut paths = best(tasks, &lists, claims, ordered);
     for round in 0..rounds {
-        let chosen = chosen_poses(&paths, &lists);
+        let mut chosen = chosen_poses(&paths, &lists);
+        if swings(tasks, &chosen) {
+            untangle(tasks, &mut chosen);
+        }
         for (i, (task, list)) in tasks.iter().zip(&mut lists).enumerate() {
-            let other = if i == 0 { chosen.get(1) } else { chosen.first() };
+            let poses = &chosen[i];
+            let twin = if i == 0 { chosen.get(1) } else { chosen.first() }.map(Vec::as_slice);
+            let gait = if task.roots.is_some() { Gait::of(poses, twin) } else { None };
             let added: Vec<Vec<Candidate>> = (0..frames)
                 .into_par_iter()
                 .map(|f| {
                     stage.at(0.5 + 0.5 * (round as f64 + f as f64 / frames as f64) / rounds as f64)?;
-                    Ok(near_poses(task, f, &chosen[i], other.map(|o| o[f].as_slice()))
-                        .into_iter()
-                        .map(|p| judged(task, f, p))
-                        .collect())
+                    let mut hints: Vec<Vec<Vec2>> = gait.iter().flat_map(|g| g.foretold(poses, twin, f)).collect();
+                    hints.extend(twin.map(|t| crossings::as_other(&t[f], poses[f][0], poses[f].len())));
+                    Ok(near_poses(task, f, poses, hints).into_iter().map(|p| judged(task, f, p)).collect())
                 })
                 .collect::<Result<_>>()?;
             for (list, new) in list.iter_mut().zip(added) {
@@ -299,6 +304,11 @@ fn chosen_poses(paths: &[Vec<usize>], lists: &[Vec<Vec<Candidate>>]) -> Vec<Vec<
         path.iter().zip(lists).map(|(&c, list)| list[c].pose.clone()).collect()
     };
     paths.iter().zip(lists).map(of).collect()
+}
+
+/// Whether the limbs of a pair go through a cycle, so that where they meet they pass.
+fn swings(tasks: &[Task<'_>], chosen: &[Vec<Vec<Vec2>>]) -> bool {
+    tasks.iter().zip(chosen).any(|(task, poses)| task.roots.is_some() && Gait::of(poses, None).is_some())
 }
 
 /// Gives the limbs of a pair back their own poses where they bounced off each other.
@@ -432,9 +442,9 @@ fn first_poses(task: &Task<'_>, f: usize, ahead: &Reached, behind: &Reached) -> 
     poses
 }
 
-/// Poses worth trying around a path: its neighbours in time carried here, between them, where the `other` of its pair is,
-/// and a better fit near each.
-fn near_poses(task: &Task<'_>, f: usize, path: &[Vec<Vec2>], other: Option<&[Vec2]>) -> Vec<Vec<Vec2>> {
+/// Poses worth trying around a path: its neighbours in time carried here, between them, `hints` from elsewhere, and a
+/// better fit near each.
+fn near_poses(task: &Task<'_>, f: usize, path: &[Vec<Vec2>], hints: Vec<Vec<Vec2>>) -> Vec<Vec<Vec2>> {
     if task.keys.frames.contains(&f) {
         return Vec::new();
     }
@@ -449,7 +459,7 @@ fn near_poses(task: &Task<'_>, f: usize, path: &[Vec<Vec2>], other: Option<&[Vec
     if f > 0 && f + 1 < path.len() {
         poses.push(path[f - 1].iter().zip(&path[f + 1]).map(|(a, b)| a.lerp(*b, 0.5)).collect());
     }
-    poses.extend(other.map(|o| crossings::as_other(o, path[f][0], path[f].len())));
+    poses.extend(hints);
     let view = task.view(f);
     let starts: Vec<Vec<Vec2>> = poses.iter().cloned().chain([path[f].clone()]).collect();
     poses.extend(starts.into_iter().map(|p| pose_search::settle(&task.strip, &view, f, &p, task.roots.is_none())));
