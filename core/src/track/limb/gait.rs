@@ -106,7 +106,8 @@ mod tests {
         let mut seen = truth.clone();
         let root = seen[30][0];
         seen[30] = (0..5).map(|i| root + 15.0 * i as f32).collect();
-        let gait = Gait::of(&seen, Some(&twin)).unwrap();
+        let gait = Gait { period: 20, lag: Some(10) };
+        assert_eq!(Gait::of(&seen, Some(&twin)), Some(gait));
         let foretold = gait.foretold(&seen, Some(&twin), 30);
         assert_eq!(foretold.len(), 4);
         for pose in foretold {
