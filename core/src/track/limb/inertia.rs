@@ -12,15 +12,17 @@ use rayon::prelude::*;
 
 use super::params::SpaceTimeParams;
 use super::pose_path::{Chain, Group, costs_through, least, step_cost};
+use crate::error::Result;
 use crate::geometry::polyline;
+use crate::job::Stage;
 
 /// The candidate of every limb of the group in one frame; the second is 0 where there is one limb.
 type State = [usize; 2];
 
 /// The best path: for every limb of the group the index of its candidate in every frame.
-pub(super) fn best_path(group: &Group<'_>, params: &SpaceTimeParams) -> Vec<Vec<usize>> {
+pub(super) fn best_path(group: &Group<'_>, params: &SpaceTimeParams, stage: Stage<'_>) -> Result<Vec<Vec<usize>>> {
     let frames = group.frames();
-    let through = costs_through(group, params);
+    let through = costs_through(group, params, stage.part(0.0, 0.4))?;
     let states: Vec<Vec<State>> =
         (0..frames).into_par_iter().map(|f| kept_states(group, f, &through[f], params)).collect();
     let own = |f: usize| {
@@ -31,6 +33,7 @@ pub(super) fn best_path(group: &Group<'_>, params: &SpaceTimeParams) -> Vec<Vec<
     let mut value = own(0);
     let mut links: Vec<Vec<u16>> = Vec::with_capacity(frames);
     for f in 1..frames {
+        stage.at(0.4 + 0.6 * f as f64 / frames as f64)?;
         let (n, m) = (states[f - 1].len(), states[f].len());
         let steps = steps(group, f, [&states[f - 1], &states[f]], &own(f), params);
         if f == 1 {
@@ -75,7 +78,7 @@ pub(super) fn best_path(group: &Group<'_>, params: &SpaceTimeParams) -> Vec<Vec<
         path[f - 2] = usize::from(links[f - 2][path[f - 1] * states[f].len() + path[f]]);
     }
     let of = |limb: usize| (0..frames).map(|f| states[f][path[f]][limb]).collect();
-    (0..group.chains().count()).map(of).collect()
+    Ok((0..group.chains().count()).map(of).collect())
 }
 
 /// The states kept of frame `f`: the cheapest, no two of them the same by sight.
@@ -172,10 +175,15 @@ impl Bends {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::job::Progress;
     use crate::track::limb::pose_path::Candidate;
     use glam::vec2;
 
     const STILL: [Vec2; 9] = [Vec2::ZERO; 9];
+
+    fn solve(group: &Group<'_>, params: &SpaceTimeParams) -> Vec<Vec<usize>> {
+        best_path(group, params, Progress::new().whole()).unwrap_or_default()
+    }
 
     fn candidate(x: f32, cost: f32) -> Candidate {
         Candidate { pose: vec![vec2(0.0, 0.0), vec2(x, 100.0)], cost, next: None, last: None }
@@ -205,7 +213,7 @@ mod tests {
         let chain = |i: usize| Chain { lists: &lists[i], rest: &STILL };
         let group = Group { first: chain(0), second: Some(chain(1)), together: &together };
         let tips = |params: &SpaceTimeParams| -> Vec<f32> {
-            best_path(&group, params)[0].iter().zip(&lists[0]).map(|(&c, list)| list[c].pose[1].x).collect()
+            solve(&group, params)[0].iter().zip(&lists[0]).map(|(&c, list)| list[c].pose[1].x).collect()
         };
         let passed: Vec<f32> = (0..9).map(|f| 10.0 * f as f32 - 40.0).collect();
         assert_eq!(tips(&SpaceTimeParams::default()), passed);
@@ -233,7 +241,7 @@ mod tests {
         };
         let all = (0..243usize).map(|n| [1, 3, 9, 27, 81].map(|d| n / d % 3));
         let least = all.map(|path| cost(&path)).fold(f32::INFINITY, f32::min);
-        let found = best_path(&Group { first: chain, second: None, together: &[] }, &params);
+        let found = solve(&Group { first: chain, second: None, together: &[] }, &params);
         assert!((cost(&found[0]) - least).abs() < 1e-5);
     }
 
@@ -243,7 +251,7 @@ mod tests {
             let lists: Vec<Vec<Candidate>> =
                 (0..frames).map(|_| vec![candidate(0.0, 0.3), candidate(9.0, 0.1)]).collect();
             let group = Group { first: Chain { lists: &lists, rest: &STILL }, second: None, together: &[] };
-            assert_eq!(best_path(&group, &SpaceTimeParams::default()), [vec![1; frames]]);
+            assert_eq!(solve(&group, &SpaceTimeParams::default()), [vec![1; frames]]);
         }
     }
 }

@@ -3,6 +3,7 @@
 mod camera;
 mod candidates;
 mod carry;
+mod chains;
 mod claims;
 mod confidence;
 mod crossings;

@@ -5,6 +5,8 @@ use rayon::prelude::*;
 
 use super::carry::Carried;
 use super::params::SpaceTimeParams;
+use crate::error::Result;
+use crate::job::Stage;
 
 /// A pose that a limb may have had in one frame.
 #[derive(Clone, Debug)]
@@ -65,7 +67,7 @@ impl Group<'_> {
 
 /// For every frame and every pair of candidates, the cost of the best path through it, inertia aside. The two limbs'
 /// steps are independent, so each is minimised on its own.
-pub(super) fn costs_through(group: &Group<'_>, params: &SpaceTimeParams) -> Vec<Vec<f32>> {
+pub(super) fn costs_through(group: &Group<'_>, params: &SpaceTimeParams, stage: Stage<'_>) -> Result<Vec<Vec<f32>>> {
     let frames = group.frames();
     let steps: Vec<[Vec<f32>; 2]> = (1..frames)
         .into_par_iter()
@@ -73,6 +75,7 @@ pub(super) fn costs_through(group: &Group<'_>, params: &SpaceTimeParams) -> Vec<
         .collect();
     let mut through = vec![group.own(0)];
     for f in 1..frames {
+        stage.at(0.5 * f as f64 / frames as f64)?;
         let ([an, bn], [am, bm]) = (group.counts(f - 1), group.counts(f));
         let [first, second] = &steps[f - 1];
         let reached =
@@ -81,6 +84,7 @@ pub(super) fn costs_through(group: &Group<'_>, params: &SpaceTimeParams) -> Vec<
     }
     let mut rest = vec![0.0f32; through[frames - 1].len()];
     for f in (1..frames).rev() {
+        stage.at(1.0 - 0.5 * f as f64 / frames as f64)?;
         let ([an, bn], [am, bm]) = (group.counts(f - 1), group.counts(f));
         let [first, second] = &steps[f - 1];
         let after: Vec<f32> = rest.iter().zip(group.own(f)).map(|(r, o)| r + o).collect();
@@ -88,7 +92,7 @@ pub(super) fn costs_through(group: &Group<'_>, params: &SpaceTimeParams) -> Vec<
         rest = min_plus(&after, [am, bm], [an, bn], |k, i| first[k * an + i], |l, j| second[l * bn + j]);
     }
     through[0].iter_mut().zip(&rest).for_each(|(t, r)| *t += r);
-    through
+    Ok(through)
 }
 
 /// `out[i, j] = min over k, l of cost[k, l] + a(k, i) + b(l, j)`.
@@ -151,6 +155,7 @@ pub(super) fn step_cost(a: &Candidate, b: &Candidate, params: &SpaceTimeParams, 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::job::Progress;
     use glam::vec2;
 
     const STILL: [Vec2; 4] = [Vec2::ZERO; 4];
@@ -184,7 +189,7 @@ mod tests {
     fn costs_through_one_limbs_candidates_are_those_of_the_cheapest_paths() {
         let lists = lists(0);
         let group = Group { first: Chain { lists: &lists, rest: &STILL }, second: None, together: &[] };
-        let through = costs_through(&group, &SpaceTimeParams::default());
+        let through = costs_through(&group, &SpaceTimeParams::default(), Progress::new().whole()).unwrap_or_default();
         for f in 0..4 {
             for i in 0..4 {
                 let best = all_paths().filter(|p| p[f] == i).map(|p| cost(&lists, &p)).fold(f32::INFINITY, f32::min);
@@ -201,7 +206,7 @@ mod tests {
             (0..4).map(|_| (0..16).map(|k| if k / 4 == k % 4 { 5.0 } else { 0.0 }).collect()).collect();
         let chain = |lists| Chain { lists, rest: &STILL };
         let group = Group { first: chain(&a), second: Some(chain(&b)), together: &together };
-        let through = costs_through(&group, &SpaceTimeParams::default());
+        let through = costs_through(&group, &SpaceTimeParams::default(), Progress::new().whole()).unwrap_or_default();
         let mut best = vec![[f32::INFINITY; 16]; 4];
         let costs: Vec<(Vec<usize>, f32)> = all_paths()
             .map(|q| {

@@ -1,14 +1,15 @@
 //! All frames of all limbs, solved together between key frames.
 //!
 //! Limb by limb from the body outward: every frame gets a list of possible poses, from carrying the limb by flow from
-//! either key frame, and from searching the frame for the limb's looks; the cheapest path through the lists (exact, by
-//! dynamic programming) trades looks against flow and inertia. Poses near the path are then added and the path found
-//! again, until it settles.
+//! either key frame, and from searching the frame for the limb's looks; the cheapest path through the lists (see
+//! `inertia`) trades looks against flow, rest and a steady motion. Poses near the path, where the other of its pair is
+//! and what both did a stride away (see `gait`) are then added and the path is found again.
 
 use glam::Vec2;
 use rayon::prelude::*;
 
 use super::carry::carry;
+use super::chains::{Reached, chain, mixed_chains};
 use super::claims::{Claims, cover};
 use super::confidence::{Evidence, spread};
 use super::crossings;
@@ -58,7 +59,7 @@ pub(super) struct Task<'a> {
     rest: Vec<Vec2>,
     claims: Option<&'a Claims>,
     /// Whether others hang from it.
-    carries: bool,
+    pub(super) carries: bool,
     /// Its length in every frame, as a multiple of what its keys say.
     stretch: Vec<f32>,
 }
@@ -175,54 +176,8 @@ fn finish(solved: Solved, reversed: bool, scale: f32) -> Trajectory {
     Trajectory { poses, visible, confidence }
 }
 
-/// A pose and how far each vertex is trusted, where a chain has reached a frame.
-type Reached = Option<(Vec<Vec2>, Vec<f32>)>;
-
-/// Carries the limb by flow from key to key in one direction of time.
-fn chain(task: &Task<'_>, forward: bool) -> (Vec<Reached>, Vec<f32>) {
-    let (footage, keys) = (task.footage, &task.keys);
-    let frames = footage.frames();
-    let mut out: Vec<Reached> = vec![None; frames];
-    let order: Vec<usize> = if forward { (0..frames).collect() } else { (0..frames).rev().collect() };
-    let mut previous: Option<usize> = None;
-    let mut stretch = vec![1.0f32; frames];
-    for f in order {
-        if let Some(key) = keys.frames.iter().position(|&k| k == f) {
-            out[f] = Some((keys.poses[key].clone(), vec![1.0; keys.vertices()]));
-        } else if let Some(p) = previous
-            && let Some((pose, trust)) = &out[p]
-            && let Some((flow, back)) = footage.flows(p, f)
-        {
-            let root = task.roots.as_ref().map(|r| r[f]);
-            let lengths: Vec<f32> = keys.lengths(f).into_iter().map(|l| l * stretch[p]).collect();
-            let carried = carry(pose, &task.strip.radii, &lengths, flow, back, root);
-            let relaxed = 1.0 + (stretch[p] * carried.stretch - 1.0) * STRETCH_MEMORY;
-            stretch[f] = if task.carries { relaxed.clamp(BODY_STRETCH.0, BODY_STRETCH.1) } else { 1.0 };
-            let trust = trust.iter().zip(&carried.trust).map(|(a, b)| a * (0.3 + 0.7 * b)).collect();
-            out[f] = Some((carried.points, trust));
-        }
-        previous = Some(f);
-    }
-    (out, stretch)
-}
-
-fn mixed_chains(keys: &LimbKeys, f: usize, ahead: &Reached, behind: &Reached) -> (Vec<Vec2>, Vec<f32>) {
-    match (ahead, behind) {
-        (Some(a), Some(b)) => {
-            let share = keys.mixed(f, |k| if keys.frames[k] >= f { 1.0 } else { 0.0 }, |a, b, t| a + (b - a) * t);
-            let pose = a.0.iter().zip(&b.0).map(|(p, q)| p.lerp(*q, share)).collect();
-            (pose, a.1.iter().zip(&b.1).map(|(p, q)| p.max(*q)).collect())
-        }
-        (Some(one), None) | (None, Some(one)) => one.clone(),
-        (None, None) => (keys.poses[0].clone(), vec![0.0; keys.vertices()]),
-    }
-}
-
-/// How far lengths may leave the drawn ones, of limbs that carry others: their texture shows when the animal turns. The
-/// flow on a thin limb's end is no measure of its length.
-const BODY_STRETCH: (f32, f32) = (0.4, 1.6);
-/// Share of a stretch that is left in the next frame.
-const STRETCH_MEMORY: f32 = 0.99;
+/// Share of the time that goes into the poses every frame starts with.
+const FIRST: f64 = 0.4;
 
 /// Solves one limb, or a pair together. `ordered` says that the first of a pair is in front of the second.
 fn solve_group(tasks: &mut [Task<'_>], claims: &Claims, ordered: bool, stage: Stage<'_>) -> Result<Vec<Solved>> {
@@ -248,7 +203,7 @@ fn solve_group(tasks: &mut [Task<'_>], claims: &Claims, ordered: bool, stage: St
         let list = (0..frames)
             .into_par_iter()
             .map(|f| {
-                stage.at(0.5 * (i as f64 + f as f64 / frames as f64) / count as f64)?;
+                stage.at(FIRST * (i as f64 + f as f64 / frames as f64) / count as f64)?;
                 let poses = first_poses(task, f, &ahead[f], &behind[f]);
                 Ok(poses.into_iter().map(|p| judged(task, f, p)).collect())
             })
@@ -257,8 +212,12 @@ fn solve_group(tasks: &mut [Task<'_>], claims: &Claims, ordered: bool, stage: St
     }
     let tasks = &*tasks;
     let rounds = tasks[0].params.rounds;
-    let mut paths = best(tasks, &lists, claims, ordered);
+    // Of each round, the first one included, a part is for adding poses and the rest for finding the path.
+    let share = |round: usize| FIRST + (1.0 - FIRST) * round as f64 / (rounds + 1) as f64;
+    let mut paths = best(tasks, &lists, claims, ordered, stage.part(share(0), share(1)))?;
     for round in 0..rounds {
+        let this = stage.part(share(round + 1), share(round + 2));
+        let (adding, finding) = (this.part(0.0, 0.7), this.part(0.7, 1.0));
         let mut chosen = chosen_poses(&paths, &lists);
         if swings(tasks, &chosen) {
             untangle(tasks, &mut chosen);
@@ -270,7 +229,7 @@ fn solve_group(tasks: &mut [Task<'_>], claims: &Claims, ordered: bool, stage: St
             let added: Vec<Vec<Candidate>> = (0..frames)
                 .into_par_iter()
                 .map(|f| {
-                    stage.at(0.5 + 0.5 * (round as f64 + f as f64 / frames as f64) / rounds as f64)?;
+                    adding.at((i as f64 + f as f64 / frames as f64) / count as f64)?;
                     let mut hints: Vec<Vec<Vec2>> = gait.iter().flat_map(|g| g.foretold(poses, twin, f)).collect();
                     hints.extend(twin.map(|t| crossings::as_other(&t[f], poses[f][0], poses[f].len())));
                     Ok(near_poses(task, f, poses, hints).into_iter().map(|p| judged(task, f, p)).collect())
@@ -280,17 +239,18 @@ fn solve_group(tasks: &mut [Task<'_>], claims: &Claims, ordered: bool, stage: St
                 list.extend(new);
             }
         }
-        paths = best(tasks, &lists, claims, ordered);
+        paths = best(tasks, &lists, claims, ordered, finding)?;
     }
     let mut chosen = chosen_poses(&paths, &lists);
     untangle(tasks, &mut chosen);
     let mut solved: Vec<Solved> = Vec::with_capacity(count);
+    let finishing = stage.part(1.0, 1.0);
     for ((i, task), poses) in tasks.iter().enumerate().zip(chosen) {
         // Of a pair in known order, the second may be behind the first.
         let front = if ordered && i > 0 { tasks.first().zip(solved.first()) } else { None };
         let alone = Group { first: Chain { lists: &lists[i], rest: &task.rest }, second: None, together: &[] };
-        let costs = costs_through(&alone, tasks[0].params);
-        let evidence = evidence(task, &poses, &lists[i], &costs, &trusts[i], front);
+        let costs = costs_through(&alone, tasks[0].params, finishing)?;
+        let evidence = evidence(task, &poses, &lists[i], &costs, &trusts[i], front, finishing)?;
         let visible = evidence.iter().map(|e| e.iter().map(|e| !e.hidden).collect()).collect();
         let confidence = evidence.iter().map(|e| e.iter().map(Evidence::confidence).collect()).collect();
         solved.push(Solved { poses, visible, confidence });
@@ -334,9 +294,12 @@ fn evidence(
     costs: &[Vec<f32>],
     trusts: &[Vec<f32>],
     front: Option<(&Task<'_>, &Solved)>,
-) -> Vec<Vec<Evidence>> {
+    stage: Stage<'_>,
+) -> Result<Vec<Vec<Evidence>>> {
     (0..poses.len())
+        .into_par_iter()
         .map(|f| {
+            stage.at(f as f64 / poses.len() as f64)?;
             let pose = &poses[f];
             let view = task.view(f);
             let mut mask = Claims::blank(task.footage);
@@ -347,7 +310,7 @@ fn evidence(
             let spread = spread(pose, &lists[f], &costs[f]);
             let keys = task.strip.keys_around(f);
             let misfit = |e: usize| task.strip.edge_cost(&view, keys, e, pose[e], pose[e + 1]);
-            (0..pose.len())
+            Ok((0..pose.len())
                 .map(|v| {
                     let cell = pose[v] / CLAIM_CELL;
                     let outside = task.footage.lab[f].at(pose[v]).is_none();
@@ -359,25 +322,32 @@ fn evidence(
                         along: v as f32 / (pose.len() - 1) as f32,
                     }
                 })
-                .collect()
+                .collect())
         })
         .collect()
 }
 
 /// The best path of one limb, or of two that hide each other.
-fn best(tasks: &[Task<'_>], lists: &[Vec<Vec<Candidate>>], claims: &Claims, ordered: bool) -> Vec<Vec<usize>> {
+fn best(
+    tasks: &[Task<'_>],
+    lists: &[Vec<Vec<Candidate>>],
+    claims: &Claims,
+    ordered: bool,
+    stage: Stage<'_>,
+) -> Result<Vec<Vec<usize>>> {
     let together: Vec<Vec<f32>> = match (tasks, lists) {
         ([a, b], [first, second]) => (0..first.len())
             .into_par_iter()
-            .map(|f| together([a, b], claims, f, [&first[f], &second[f]], ordered))
-            .collect(),
+            .map(|f| {
+                stage.at(0.5 * f as f64 / first.len() as f64)?;
+                Ok(together([a, b], claims, f, [&first[f], &second[f]], ordered))
+            })
+            .collect::<Result<_>>()?,
         _ => Vec::new(),
     };
     let chain = |i: usize| Some(Chain { lists: lists.get(i)?, rest: &tasks.get(i)?.rest });
-    match chain(0) {
-        Some(first) => best_path(&Group { first, second: chain(1), together: &together }, tasks[0].params),
-        None => Vec::new(),
-    }
+    let Some(first) = chain(0) else { return Ok(Vec::new()) };
+    best_path(&Group { first, second: chain(1), together: &together }, tasks[0].params, stage.part(0.5, 1.0))
 }
 
 /// For every pose of the first limb, and within it for every one of the second, what the two cost beyond their own
