@@ -172,6 +172,7 @@ static mry_status use_clip(soak *s) {
   mry_clip clip = { id(s, CLIP) };
   mry_clip_info info = MRY_CLIP_INFO_INIT;
   mry_image_view view = MRY_IMAGE_VIEW_INIT;
+  mry_clip_options options = MRY_CLIP_OPTIONS_INIT;
   double seconds = 0;
   size_t count = 0;
   mry_status status;
@@ -190,7 +191,12 @@ static mry_status use_clip(soak *s) {
       return status;
     default:
       clip.v = 0;
-      status = mry_clip_open(s->context, below(s, 4) == 0 ? text(s) : MRY_STR(s->clip), NULL, &clip, ERR);
+      SIZED(mry_clip_options, &options);
+      /* Starting a program for what is no clip takes longer than a thousand calls. */
+      options.no_ffmpeg = below(s, 99) == 0 ? number(s, 2) : 1;
+      options.images_fps = (double)real(s);
+      options.max_pixels = number(s, 100000);
+      status = mry_clip_open(s->context, below(s, 4) == 0 ? text(s) : MRY_STR(s->clip), &options, &clip, ERR);
       keep(s, CLIP, clip.v);
       return status;
   }
