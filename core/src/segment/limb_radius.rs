@@ -180,10 +180,7 @@ impl Profile {
         // Places that belong to the limb in few frames only (another is nearer in the rest) say little.
         let share = |cell: usize| (self.counts[cell] as f32 / frames.max(1) as f32).min(1.0);
         let mean = |sums: &[i64], cell: usize| sums[cell] as f32 / UNIT / self.counts[cell].max(1) as f32;
-        let contrast = |r: usize| match r {
-            _ if r >= reach => 0.0,
-            r => mean(&self.contrast, start + r) * share(start + r),
-        };
+        let contrast = |r: usize| mean(&self.contrast, start + r) * share(start + r);
         let mut sum = 0.0;
         (0..reach)
             .map(|r| {

@@ -80,7 +80,7 @@ impl Default for CreatureParams {
             neighbours: 2,
             max_rejected: 0.9,
             smoothing: 0.04,
-            cross_section: CrossSection::Ratio { middle: 0.95, paired: 0.8 },
+            cross_section: CrossSection::Ratio { middle: 0.9, paired: 1.0 },
             depths: Vec::new(),
             leg_spread: LegSpread::BodyWidth { body: 0.6, leg: 1.3 },
             foreshortened: 0.5,

@@ -11,7 +11,7 @@ use glam::Vec2;
 use rayon::prelude::*;
 
 use super::params::SpaceTimeParams;
-use super::pose_path::{Chain, Group, costs_through, least, step_cost};
+use super::pose_path::{Chain, Costs, Group, costs_through, least};
 use crate::error::Result;
 use crate::geometry::polyline;
 use crate::job::Stage;
@@ -22,9 +22,9 @@ type State = [usize; 2];
 /// The best path: for every limb of the group the index of its candidate in every frame.
 pub(super) fn best_path(group: &Group<'_>, params: &SpaceTimeParams, stage: Stage<'_>) -> Result<Vec<Vec<usize>>> {
     let frames = group.frames();
-    let through = costs_through(group, params, stage.part(0.0, 0.4))?;
+    let costs = costs_through(group, params, stage.part(0.0, 0.4))?;
     let states: Vec<Vec<State>> =
-        (0..frames).into_par_iter().map(|f| kept_states(group, f, &through[f], params)).collect();
+        (0..frames).into_par_iter().map(|f| kept_states(group, f, &costs.through[f], params)).collect();
     let own = |f: usize| {
         let (own, columns) = (group.own(f), group.counts(f)[1]);
         states[f].iter().map(|s| own[s[0] * columns + s[1]]).collect::<Vec<f32>>()
@@ -35,7 +35,7 @@ pub(super) fn best_path(group: &Group<'_>, params: &SpaceTimeParams, stage: Stag
     for f in 1..frames {
         stage.at(0.4 + 0.6 * f as f64 / frames as f64)?;
         let (n, m) = (states[f - 1].len(), states[f].len());
-        let steps = steps(group, f, [&states[f - 1], &states[f]], &own(f), params);
+        let steps = steps(group, f, [&states[f - 1], &states[f]], &own(f), &costs);
         if f == 1 {
             value = steps.iter().enumerate().map(|(s, c)| c + value[s / m]).collect();
             continue;
@@ -53,10 +53,22 @@ pub(super) fn best_path(group: &Group<'_>, params: &SpaceTimeParams, stage: Stag
                 let (mut best, mut link) = (vec![f32::INFINITY; m], vec![0u16; m]);
                 for p in 0..states[f - 2].len() {
                     let reached = value[p * n + a];
-                    for b in 0..m {
-                        let cost = bends.iter().fold(reached, |cost, bend| cost + bend.cost(p, a, b));
+                    let mut improve = |b: usize, cost: f32| {
                         if cost < best[b] {
                             (best[b], link[b]) = (cost, p as u16);
+                        }
+                    };
+                    match bends.as_slice() {
+                        [first, second] => {
+                            let ((u, places), (v, others)) = (first.from(p, a), second.from(p, a));
+                            for (b, (&i, &j)) in places.iter().zip(others).enumerate() {
+                                improve(b, reached + u[i] + v[j]);
+                            }
+                        }
+                        alone => {
+                            for (u, places) in alone.iter().map(|bend| bend.from(p, a)) {
+                                places.iter().enumerate().for_each(|(b, &i)| improve(b, reached + u[i]));
+                            }
                         }
                     }
                 }
@@ -106,16 +118,14 @@ fn kept_states(group: &Group<'_>, f: usize, through: &[f32], params: &SpaceTimeP
 }
 
 /// The cost of every step from a state before to a state of frame `f`, with what that one costs itself.
-fn steps(group: &Group<'_>, f: usize, states: [&[State]; 2], own: &[f32], params: &SpaceTimeParams) -> Vec<f32> {
-    let [before, here] = states;
+fn steps(group: &Group<'_>, f: usize, states: [&[State]; 2], own: &[f32], costs: &Costs) -> Vec<f32> {
+    let ([before, here], counts, tables) = (states, group.counts(f - 1), &costs.steps[f - 1]);
+    let limbs = group.chains().count();
     before
         .iter()
         .flat_map(|from| {
             here.iter().zip(own).map(move |(to, own)| {
-                group.chains().enumerate().fold(*own, |cost, (limb, chain)| {
-                    let (a, b) = (&chain.lists[f - 1][from[limb]], &chain.lists[f][to[limb]]);
-                    cost + step_cost(a, b, params, chain.rest[f] - chain.rest[f - 1])
-                })
+                (0..limbs).fold(*own, |cost, limb| cost + tables[limb][to[limb] * counts[limb] + from[limb]])
             })
         })
         .collect()
@@ -165,10 +175,12 @@ impl Bends {
         Self { rows, counts: [first.len(), second.len(), third.len()], table }
     }
 
+    /// What it costs to go on from states `a` and `b` of the first two frames, and for every state of the third the
+    /// place of its cost therein.
     #[inline]
-    fn cost(&self, a: usize, b: usize, c: usize) -> f32 {
-        let [p, q, r] = [self.rows[0][a], self.rows[1][b], self.rows[2][c]];
-        self.table[(p * self.counts[1] + q) * self.counts[2] + r]
+    fn from(&self, a: usize, b: usize) -> (&[f32], &[usize]) {
+        let start = (self.rows[0][a] * self.counts[1] + self.rows[1][b]) * self.counts[2];
+        (&self.table[start..start + self.counts[2]], &self.rows[2])
     }
 }
 
@@ -176,7 +188,7 @@ impl Bends {
 mod tests {
     use super::*;
     use crate::job::Progress;
-    use crate::track::limb::pose_path::Candidate;
+    use crate::track::limb::pose_path::{Candidate, step_cost};
     use glam::vec2;
 
     const STILL: [Vec2; 9] = [Vec2::ZERO; 9];
@@ -236,7 +248,10 @@ mod tests {
         let cost = |path: &[usize]| {
             let own: f32 = path.iter().zip(&lists).map(|(&c, l)| l[c].cost).sum();
             let step = |f: usize| step_cost(&lists[f - 1][path[f - 1]], &lists[f][path[f]], &params, Vec2::ZERO);
-            let bend = |f: usize| bends[f - 2].cost(path[f - 2], path[f - 1], path[f]);
+            let bend = |f: usize| {
+                let (costs, places) = bends[f - 2].from(path[f - 2], path[f - 1]);
+                costs[places[path[f]]]
+            };
             own + (1..5).map(step).sum::<f32>() + (2..5).map(bend).sum::<f32>()
         };
         let all = (0..243usize).map(|n| [1, 3, 9, 27, 81].map(|d| n / d % 3));

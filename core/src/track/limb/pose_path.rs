@@ -65,9 +65,18 @@ impl Group<'_> {
     }
 }
 
-/// For every frame and every pair of candidates, the cost of the best path through it, inertia aside. The two limbs'
-/// steps are independent, so each is minimised on its own.
-pub(super) fn costs_through(group: &Group<'_>, params: &SpaceTimeParams, stage: Stage<'_>) -> Result<Vec<Vec<f32>>> {
+/// What is known of a group's paths, inertia aside.
+#[derive(Clone, Debug)]
+pub(super) struct Costs {
+    /// For every frame and every pair of candidates, the cost of the best path through it.
+    pub(super) through: Vec<Vec<f32>>,
+    /// For every frame but the first and every limb, for every candidate there, the cost of coming from every one of
+    /// the frame before.
+    pub(super) steps: Vec<[Vec<f32>; 2]>,
+}
+
+/// The costs of a group's paths. The two limbs' steps are independent, so each is minimised on its own.
+pub(super) fn costs_through(group: &Group<'_>, params: &SpaceTimeParams, stage: Stage<'_>) -> Result<Costs> {
     let frames = group.frames();
     let steps: Vec<[Vec<f32>; 2]> = (1..frames)
         .into_par_iter()
@@ -92,7 +101,7 @@ pub(super) fn costs_through(group: &Group<'_>, params: &SpaceTimeParams, stage: 
         rest = min_plus(&after, [am, bm], [an, bn], |k, i| first[k * an + i], |l, j| second[l * bn + j]);
     }
     through[0].iter_mut().zip(&rest).for_each(|(t, r)| *t += r);
-    Ok(through)
+    Ok(Costs { through, steps })
 }
 
 /// `out[i, j] = min over k, l of cost[k, l] + a(k, i) + b(l, j)`.
@@ -189,7 +198,8 @@ mod tests {
     fn costs_through_one_limbs_candidates_are_those_of_the_cheapest_paths() {
         let lists = lists(0);
         let group = Group { first: Chain { lists: &lists, rest: &STILL }, second: None, together: &[] };
-        let through = costs_through(&group, &SpaceTimeParams::default(), Progress::new().whole()).unwrap_or_default();
+        let through =
+            costs_through(&group, &SpaceTimeParams::default(), Progress::new().whole()).expect("not cancelled").through;
         for f in 0..4 {
             for i in 0..4 {
                 let best = all_paths().filter(|p| p[f] == i).map(|p| cost(&lists, &p)).fold(f32::INFINITY, f32::min);
@@ -206,7 +216,8 @@ mod tests {
             (0..4).map(|_| (0..16).map(|k| if k / 4 == k % 4 { 5.0 } else { 0.0 }).collect()).collect();
         let chain = |lists| Chain { lists, rest: &STILL };
         let group = Group { first: chain(&a), second: Some(chain(&b)), together: &together };
-        let through = costs_through(&group, &SpaceTimeParams::default(), Progress::new().whole()).unwrap_or_default();
+        let through =
+            costs_through(&group, &SpaceTimeParams::default(), Progress::new().whole()).expect("not cancelled").through;
         let mut best = vec![[f32::INFINITY; 16]; 4];
         let costs: Vec<(Vec<usize>, f32)> = all_paths()
             .map(|q| {

@@ -249,7 +249,7 @@ fn solve_group(tasks: &mut [Task<'_>], claims: &Claims, ordered: bool, stage: St
         // Of a pair in known order, the second may be behind the first.
         let front = if ordered && i > 0 { tasks.first().zip(solved.first()) } else { None };
         let alone = Group { first: Chain { lists: &lists[i], rest: &task.rest }, second: None, together: &[] };
-        let costs = costs_through(&alone, tasks[0].params, finishing)?;
+        let costs = costs_through(&alone, tasks[0].params, finishing)?.through;
         let evidence = evidence(task, &poses, &lists[i], &costs, &trusts[i], front, finishing)?;
         let visible = evidence.iter().map(|e| e.iter().map(|e| !e.hidden).collect()).collect();
         let confidence = evidence.iter().map(|e| e.iter().map(Evidence::confidence).collect()).collect();
