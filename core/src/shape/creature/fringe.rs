@@ -21,7 +21,7 @@ use crate::raster::{Grid, Mask, Rasterizer};
 /// At most so many frames, evenly over the clip, are asked whether a pixel moves with a limb.
 const WITNESSES: usize = 32;
 /// The least share of them that must say yes.
-const SUPPORT: f32 = 0.6;
+const SUPPORT: f32 = 0.4;
 /// A patch is a shape when some lattice point is inside with all its cell and its neighbours with this share of theirs;
 /// thinner ones are the tubes' own rounding.
 const THIN: f32 = 0.4;
