@@ -9,6 +9,7 @@
 
 use glam::{Affine2, DMat3, DVec3, Vec2};
 
+use super::median::median;
 use crate::track::flow::FlowField;
 
 /// Places looked at, along either side of the picture.
@@ -59,11 +60,6 @@ pub(super) fn camera_motion(flow: &FlowField, back: &FlowField) -> Affine2 {
         camera = Affine2::from_mat2_translation(glam::Mat2::IDENTITY + slope, motion);
     }
     camera
-}
-
-fn median(mut values: Vec<f32>) -> f32 {
-    let middle = values.len() / 2;
-    *values.select_nth_unstable_by(middle, f32::total_cmp).1
 }
 
 #[cfg(test)]

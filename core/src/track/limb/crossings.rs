@@ -11,6 +11,7 @@
 
 use glam::Vec2;
 
+use super::median::median;
 use crate::geometry::polyline;
 
 /// Places compared on each limb; those of the outer half, where the limbs part.
@@ -76,12 +77,6 @@ pub(super) fn as_other(pose: &[Vec2], root: Vec2, count: usize) -> Vec<Vec2> {
         *p += shift * (1.0 - i as f32 / (count - 1).max(1) as f32);
     }
     out
-}
-
-/// The middle value; 0 of none.
-pub(super) fn median(mut values: Vec<f32>) -> f32 {
-    values.sort_by(f32::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or(0.0)
 }
 
 /// The outer halves relative to the joints, one list of places a frame.

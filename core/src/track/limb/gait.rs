@@ -8,7 +8,8 @@
 
 use glam::Vec2;
 
-use super::crossings::{as_other, median};
+use super::crossings::as_other;
+use super::median::median;
 use crate::geometry::polyline;
 
 /// The shortest period, in frames.

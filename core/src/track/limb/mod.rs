@@ -14,6 +14,7 @@ mod gait;
 mod inertia;
 mod limb_keys;
 mod limb_width;
+mod median;
 mod paper;
 mod params;
 mod patch;
