@@ -5,8 +5,8 @@
 //! ```
 //!
 //! Data flows one way: [`export`] knows [`shape`], which knows [`segment`] and [`track`], which know [`motion`],
-//! [`rig`] and [`clip`], which stand on [`raster`], [`geometry`] and [`job`]. [`session`] is the document that a host
-//! edits, saves and undoes.
+//! [`rig`] and [`clip`], which stand on [`raster`], [`geometry`], [`deform`] and [`job`]. [`session`] is the document
+//! that a host edits, saves and undoes.
 //!
 //! Pixel coordinates: x right, y down, the centre of the top-left pixel is (0.5, 0.5), in the clip's own resolution.
 //! World coordinates of a creature: right-handed, x right, y up, z toward the viewer, 1 unit = 1 pixel of the clip,
@@ -16,6 +16,7 @@
 #![forbid(unsafe_code)]
 
 pub mod clip;
+pub mod deform;
 pub mod error;
 pub mod export;
 pub mod geometry;
