@@ -62,6 +62,12 @@ pub enum Error {
         /// What to do.
         remedy: String,
     },
+    /// Whoever lends memory for frames had none.
+    #[error("no memory was lent for a frame of {bytes} bytes; close clips, or ask for a smaller cache")]
+    Memory {
+        /// How much was asked for.
+        bytes: usize,
+    },
     /// The caller cancelled.
     #[error("cancelled")]
     Cancelled,
@@ -92,7 +98,7 @@ impl Error {
             Self::Io { source, .. } if source.kind() == std::io::ErrorKind::NotFound => Category::BadInput,
             Self::Io { .. } => Category::Failed,
             Self::File { .. } | Self::Invalid { .. } => Category::BadInput,
-            Self::Limit { .. } => Category::Limit,
+            Self::Limit { .. } | Self::Memory { .. } => Category::Limit,
             Self::Cancelled => Category::Cancelled,
         }
     }

@@ -5,7 +5,11 @@
 
 use std::path::PathBuf;
 
-use marey::clip::{Clip, ClipOptions, Picture};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use marey::Error;
+use marey::clip::{Clip, ClipOptions, FrameMemory, LentBytes, Picture};
 
 fn fixture(name: &str) -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/data/clips").join(name)
@@ -136,9 +140,8 @@ fn a_recording_held_upright_is_turned() {
     assert_eq!((turned.info().width, turned.info().height), (48, 64));
     for i in 0..turned.info().frames {
         let back = image::imageops::rotate90(&frame(&turned, i).rgb);
-        let back = Picture { rgb: back, alpha: None };
-        assert_eq!(number(&back), i);
-        assert_eq!(back.rgb, frame(&lying, i).rgb);
+        assert_eq!(number(&frame(&lying, i)), i);
+        assert!(back.as_raw()[..] == frame(&lying, i).rgb.as_raw()[..]);
     }
 }
 
@@ -217,7 +220,7 @@ fn frames_in_memory_are_a_clip() {
     let frames: Vec<_> = (0..5u8).map(|i| image::RgbImage::from_pixel(4, 3, image::Rgb([i, 0, 0]))).collect();
     let clip = Clip::from_frames(frames.clone(), 12.0).unwrap_or_else(|e| panic!("{e}"));
     assert_eq!((clip.info().frames, clip.info().fps), (5, 12.0));
-    assert!((0..5).all(|i| frame(&clip, i).rgb == frames[i]));
+    assert!((0..5).all(|i| frame(&clip, i).rgb.as_raw()[..] == frames[i].as_raw()[..]));
     assert!(Clip::from_frames(Vec::new(), 12.0).is_err());
     assert!(Clip::from_frames(frames.clone(), f64::NAN).is_err());
     let odd = [frames, vec![image::RgbImage::new(5, 3)]].concat();
@@ -304,5 +307,74 @@ mod folders {
         let clip = Clip::open(dir.path().join("portrait.png")).unwrap_or_else(|e| panic!("{e}"));
         assert_eq!((clip.info().frames, clip.info().width, clip.info().height), (1, 6, 4));
         assert!(clip.frame(0).is_ok());
+    }
+}
+
+/// Lends memory, counts what is out, and has no more than so much.
+#[derive(Debug)]
+struct Lender {
+    out: Arc<AtomicUsize>,
+    most: AtomicUsize,
+}
+
+struct Lent {
+    bytes: Vec<u8>,
+    out: Arc<AtomicUsize>,
+}
+
+impl std::ops::Deref for Lent {
+    type Target = [u8];
+    fn deref(&self) -> &[u8] {
+        &self.bytes
+    }
+}
+
+impl LentBytes for Lent {}
+
+impl Drop for Lent {
+    fn drop(&mut self) {
+        self.out.fetch_sub(self.bytes.len(), Ordering::Relaxed);
+    }
+}
+
+impl FrameMemory for Lender {
+    fn lend(&self, contents: &[u8]) -> Option<Box<dyn LentBytes>> {
+        let bytes = contents.len();
+        let out = self.out.fetch_add(bytes, Ordering::Relaxed) + bytes;
+        if out > self.most.load(Ordering::Relaxed) {
+            self.out.fetch_sub(bytes, Ordering::Relaxed);
+            return None;
+        }
+        Some(Box::new(Lent { bytes: contents.to_vec(), out: self.out.clone() }))
+    }
+}
+
+#[test]
+fn frames_lie_in_lent_memory_and_give_it_back() {
+    for name in ["reordered.mp4", "animated.gif", "animated.png", "animated.webp"] {
+        let own = open(name);
+        let out = Arc::new(AtomicUsize::new(0));
+        let lender = Arc::new(Lender { out: out.clone(), most: AtomicUsize::new(usize::MAX) });
+        let options = ClipOptions { ffmpeg: None, memory: Some(lender.clone()), ..ClipOptions::default() };
+        let clip = Clip::open_with(fixture(name), &options).unwrap_or_else(|e| panic!("{e}"));
+        for i in 0..own.info().frames {
+            assert_eq!(frame(&clip, i).rgb, frame(&own, i).rgb, "{name}, frame {i}");
+        }
+        let picture = frame(&clip, 0);
+        assert!(out.load(Ordering::Relaxed) >= own.info().frames * picture.rgb.as_raw().len());
+
+        drop(clip);
+        assert_eq!(out.load(Ordering::Relaxed), picture.rgb.as_raw().len(), "{name}: the picture outlives its clip");
+        drop(picture);
+        assert_eq!(out.load(Ordering::Relaxed), 0, "{name}");
+
+        // Where no memory is lent the frame is refused, and comes when there is some again.
+        let options = ClipOptions { cache_bytes: 0, ..options };
+        let clip = Clip::open_with(fixture(name), &options).unwrap_or_else(|e| panic!("{e}"));
+        lender.most.store(100, Ordering::Relaxed);
+        let refused = clip.frame(1);
+        assert!(matches!(refused, Err(Error::Memory { .. })), "{name}: {refused:?}");
+        lender.most.store(usize::MAX, Ordering::Relaxed);
+        assert_eq!(frame(&clip, 1).rgb, frame(&own, 1).rgb);
     }
 }

@@ -7,10 +7,9 @@ use std::sync::Arc;
 use marey::clip::{Clip, ClipOptions};
 
 use crate::border::{self, Out, OutStruct, Text, Versioned};
-use crate::context::{MRY_LOG_WARNING, mry_context};
+use crate::context::{Context, MRY_LOG_WARNING, mry_context};
 use crate::error::{Failure, Outcome, copy_text, mry_error};
 use crate::guard::{Call, ending, entry};
-use crate::limits::Limits;
 use crate::rows::Rows;
 use crate::status::{mry_status, mry_status_code as Code};
 use crate::string::mry_str;
@@ -137,14 +136,14 @@ unsafe fn clip_options(options: &mry_clip_options) -> Outcome<ClipOptions> {
 ///
 /// # Safety
 /// As for [`border::read`], and the string in it is valid, as the header asks.
-pub(crate) unsafe fn options_in(options: *const mry_clip_options, limits: &Limits) -> Outcome<ClipOptions> {
+pub(crate) unsafe fn options_in(options: *const mry_clip_options, context: &Context) -> Outcome<ClipOptions> {
     let asked = if options.is_null() {
         ClipOptions::default()
     } else {
         // SAFETY: as this function's own.
         unsafe { clip_options(&border::read(options, "options")?)? }
     };
-    Ok(limits.clip_options(asked))
+    Ok(context.clip_options(asked))
 }
 
 /// Fills in clip options with struct_size set and everything else zero, for languages without the INIT macros.
@@ -191,7 +190,7 @@ pub unsafe extern "C" fn mry_clip_open(
     entry!(context, err, |call| {
         let path = path.name("path")?;
         let out = Out::new(out_clip, "out_clip")?;
-        let options = options_in(options, &call.context.limits)?;
+        let options = options_in(options, call.context)?;
         let clip = Clip::open_with(path, &options).map_err(|e| Failure::from(e).about("path"))?;
         out.set(call.keep_clip(Arc::new(clip))?);
         Ok(Code::MRY_OK)

@@ -17,6 +17,9 @@ use std::ffi::c_void;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
+use marey::clip::{ClipOptions, FrameMemory};
+
+use crate::allocator::{self, mry_allocator};
 use crate::border::{self, Out, Versioned};
 use crate::clip::ClipTable;
 use crate::creature::CreatureTable;
@@ -78,13 +81,15 @@ pub struct mry_context_desc {
     pub limits: *const mry_limits,
     /// Where threads come from; NULL for the library's own. Read by mry_context_create only.
     pub executor: *const mry_executor,
+    /// Where the memory for decoded frames comes from; NULL for the library's own. Read by mry_context_create only.
+    pub allocator: *const mry_allocator,
 }
 
 // SAFETY: repr(C), starts with its u32 size; integers, a nullable function and a pointer, which the host vouches for.
 unsafe impl Versioned for mry_context_desc {
     const FIRST_SIZE: usize = 32;
 }
-const _: () = assert!(size_of::<mry_context_desc>() == 48);
+const _: () = assert!(size_of::<mry_context_desc>() == 56);
 
 struct LogSink {
     sink: mry_log_fn,
@@ -110,6 +115,7 @@ pub(crate) struct Context {
     pub(crate) sessions: SessionTable,
     pub(crate) maps: MapTable,
     pub(crate) limits: Limits,
+    memory: Option<Arc<dyn FrameMemory>>,
     log: Arc<LogSink>,
     pub(crate) executor: Executor,
     #[cfg(feature = "test-panic")]
@@ -117,6 +123,11 @@ pub(crate) struct Context {
 }
 
 impl Context {
+    /// How a clip may be opened: as `asked`, within the limits, with frames where the host wants them.
+    pub(crate) fn clip_options(&self, asked: ClipOptions) -> ClipOptions {
+        ClipOptions { memory: self.memory.clone(), ..self.limits.clip_options(asked) }
+    }
+
     /// Hands a line to the host's sink.
     pub(crate) fn log(&self, level: i32, message: &str) {
         log(&self.log, level, message);
@@ -126,6 +137,18 @@ impl Context {
     pub(crate) fn logger(&self) -> impl Fn(i32, &str) + Send + use<> {
         let sink = self.log.clone();
         move |level, message| log(&sink, level, message)
+    }
+
+    /// Lets only the destruction of an object go on: a panic may have left it half-changed.
+    pub(crate) fn poison(&self, id: u64) {
+        self.clips.poison(id);
+        self.rigs.poison(id);
+        self.motions.poison(id);
+        self.masks.poison(id);
+        self.creatures.poison(id);
+        self.jobs.poison(id);
+        self.sessions.poison(id);
+        self.maps.poison(id);
     }
 
     /// Refuses calls that wait for the context's threads from inside a callback.
@@ -186,6 +209,8 @@ pub unsafe extern "C" fn mry_context_create(
         }
         // SAFETY: each is NULL or points at a struct of its own size, which the header asks for.
         let (limits, spawn) = unsafe { (Limits::read(desc.limits)?, Spawn::read(desc.executor)?) };
+        // SAFETY: as above.
+        let memory = unsafe { allocator::read(desc.allocator)? };
         let executor = Executor::new(desc.threads as usize, &spawn)?;
         // Ids of this context are told from another's by where its pool lies.
         let tag = Arc::as_ptr(&executor.pool()) as usize as u64;
@@ -202,6 +227,7 @@ pub unsafe extern "C" fn mry_context_create(
             sessions: Table::new(7, tag, most),
             maps: Table::new(14, tag, most),
             limits,
+            memory,
             log: Arc::new(LogSink { sink: desc.log, user: desc.log_user, inside: AtomicU32::new(0) }),
             executor,
             #[cfg(feature = "test-panic")]

@@ -1,10 +1,10 @@
 //! What every function does before and after its own work: check the context and the error, contain panics, fill the
 //! error. Here the contract of all the `unsafe` functions is stated once.
 
-use std::cell::{OnceCell, RefCell};
+use std::cell::{Cell, RefCell};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::Ordering;
 
 use crate::border::{OutStruct, Versioned};
 use crate::context::{Context, MRY_LOG_ERROR, MRY_LOG_HOST_MISBEHAVING, mry_context};
@@ -40,19 +40,20 @@ pub(crate) struct Call<'a> {
     touched: Touched,
 }
 
-/// The poison flags of the objects of one call. Most calls have one object, and allocate nothing for it.
+/// The ids of the objects of one call. Most calls have one object, and allocate nothing for it.
 #[derive(Default)]
 struct Touched {
-    first: OnceCell<Arc<AtomicBool>>,
-    more: RefCell<Vec<Arc<AtomicBool>>>,
+    first: Cell<u64>,
+    more: RefCell<Vec<u64>>,
 }
 
 impl Call<'_> {
     /// The object of `id`, which a panic of this call will poison.
     pub(crate) fn get<T>(&self, table: &Table<T>, id: u64, param: &'static str) -> Outcome<Arc<Slot<T>>> {
         let slot = table.get(id, param)?;
-        if let Err(flag) = self.touched.first.set(slot.poisoned.clone()) {
-            self.touched.more.borrow_mut().push(flag);
+        match self.touched.first.get() {
+            0 => self.touched.first.set(id),
+            _ => self.touched.more.borrow_mut().push(id),
         }
         #[cfg(feature = "test-panic")]
         crate::test_panic::at_lookup(self.context);
@@ -60,11 +61,10 @@ impl Call<'_> {
     }
 
     fn poison(&self) {
-        let more = self.touched.more.borrow();
-        let Some(first) = self.touched.first.get() else {
-            return self.context.poisoned.store(true, Ordering::Release);
-        };
-        more.iter().chain([first]).for_each(|object| object.store(true, Ordering::Release));
+        match self.touched.first.get() {
+            0 => self.context.poisoned.store(true, Ordering::Release),
+            first => self.touched.more.borrow().iter().chain([&first]).for_each(|id| self.context.poison(*id)),
+        }
     }
 }
 

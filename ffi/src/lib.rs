@@ -4,12 +4,13 @@
 //! the answer out. `include/marey/marey.h` is generated from it by `cargo xtask header`; the first paragraph of each
 //! file below is the introduction of that file's group in the header.
 //!
-//! Unsafe code lives in three places: `border` reads and writes the caller's memory, `guard` states the contract
-//! once for all functions, and `context` owns the one pointer that C holds.
+//! Unsafe code lives in few places: `border` reads and writes the caller's memory, `guard` states the contract once
+//! for all functions, `context` owns the one pointer that C holds, and `threads` and `allocator` hold what hosts lend.
 #![allow(non_camel_case_types, reason = "types and constants carry their C names, so that the header is this source")]
 #![allow(clippy::missing_safety_doc, reason = "the contract is the same for all functions; guard.rs states it")]
 
 mod advice;
+mod allocator;
 mod bones;
 mod border;
 mod clip;
@@ -29,6 +30,7 @@ mod maps;
 mod masks;
 mod methods;
 mod motion;
+mod motion_edit;
 mod opening;
 mod paint;
 mod parameter;
@@ -40,6 +42,7 @@ mod segmenting;
 mod session;
 mod session_jobs;
 mod session_media;
+mod session_recording;
 mod status;
 mod string;
 mod stroke;
@@ -53,6 +56,7 @@ mod tracks;
 mod version;
 
 pub use advice::*;
+pub use allocator::*;
 pub use bones::*;
 pub use clip::*;
 pub use context::*;
@@ -68,6 +72,7 @@ pub use limits::*;
 pub use maps::*;
 pub use masks::*;
 pub use motion::*;
+pub use motion_edit::*;
 pub use opening::*;
 pub use paint::*;
 pub use parameter::*;
@@ -77,6 +82,7 @@ pub use segmenting::*;
 pub use session::*;
 pub use session_jobs::*;
 pub use session_media::*;
+pub use session_recording::*;
 pub use status::*;
 pub use string::*;
 pub use stroke::*;

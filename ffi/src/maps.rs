@@ -3,6 +3,7 @@
 //! what it shows alive. The memory is the library's; it must not be written to.
 
 use std::any::Any;
+use std::ops::Deref;
 use std::sync::Arc;
 
 use marey::geometry::TriMesh;
@@ -96,7 +97,7 @@ impl Call<'_> {
     fn map_image(
         &self,
         out: &OutStruct<mry_image_view>,
-        image: &image::RgbImage,
+        image: &image::ImageBuffer<image::Rgb<u8>, impl Deref<Target = [u8]>>,
         shown: Arc<dyn Any + Send + Sync>,
     ) -> Outcome<Code> {
         out.set(&mry_image_view {

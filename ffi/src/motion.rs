@@ -1,8 +1,8 @@
 //! Motions. A motion is named tracks over time, one a limb in the rig's order: for each frame where the limb's points
-//! are, which are seen, and how far each is to be trusted. Motions do not change.
+//! are, which are seen, and how far each is to be trusted.
 
 use std::ffi::c_char;
-use std::sync::Arc;
+use std::sync::{Arc, RwLock, TryLockError};
 
 use marey::export::write_aside;
 use marey::motion::Motion;
@@ -15,7 +15,7 @@ use crate::status::{mry_status, mry_status_code as Code};
 use crate::string::mry_str;
 use crate::table::Table;
 
-pub(crate) type MotionTable = Table<Arc<Motion>>;
+pub(crate) type MotionTable = Table<RwLock<Arc<Motion>>>;
 
 /// A motion.
 #[repr(C)]
@@ -55,11 +55,22 @@ const _: () = assert!(size_of::<mry_motion_info>() == 40);
 
 impl Call<'_> {
     pub(crate) fn motion(&self, motion: mry_motion) -> Outcome<Arc<Motion>> {
-        Ok(self.get(&self.context.motions, motion.v, "motion")?.value.clone())
+        let slot = self.get(&self.context.motions, motion.v, "motion")?;
+        let motion = slot.value.try_read().map_err(|e| busy(&e))?;
+        Ok(motion.clone())
     }
 
     pub(crate) fn keep_motion(&self, motion: Arc<Motion>) -> Outcome<mry_motion> {
-        Ok(mry_motion { v: self.context.motions.insert(motion)? })
+        Ok(mry_motion { v: self.context.motions.insert(RwLock::new(motion))? })
+    }
+}
+
+pub(crate) fn busy<T>(error: &TryLockError<T>) -> Failure {
+    match error {
+        TryLockError::WouldBlock => Failure::new(Code::MRY_E_BUSY, "motion", "another thread is changing the motion"),
+        TryLockError::Poisoned(_) => {
+            Failure::new(Code::MRY_E_POISONED, "motion", "the motion was poisoned; destroy it")
+        }
     }
 }
 

@@ -35,7 +35,7 @@ pub unsafe extern "C" fn mry_job_start_open(
     entry!(context, err, |call| {
         let path = path.name("path")?.to_owned();
         let out = Out::new(out_job, "out_job")?;
-        let options = options_in(options, &call.context.limits)?;
+        let options = options_in(options, call.context)?;
         let job = call.start(
             "open",
             Box::new(move |progress| {

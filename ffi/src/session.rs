@@ -80,13 +80,17 @@ pub struct mry_session_state {
     pub gesture_count: u64,
     /// Rises with every change, those of a gesture in progress included.
     pub revision: u64,
+    /// 1 when a save puts the clip and the painted masks into the file, see mry_session_set_embedded.
+    pub embedded: u32,
+    /// 1 while a recording is in progress.
+    pub recording: u32,
 }
 
 // SAFETY: repr(C), starts with its u32 size, and holds integers only.
 unsafe impl Versioned for mry_session_state {
     const FIRST_SIZE: usize = 72;
 }
-const _: () = assert!(size_of::<mry_session_state>() == 72);
+const _: () = assert!(size_of::<mry_session_state>() == 80);
 
 impl Call<'_> {
     /// Changes a session, unless another thread is at it.
@@ -120,7 +124,7 @@ impl Call<'_> {
         }
     }
 
-    fn keep_session(&self, session: marey::Result<Session>) -> Outcome<mry_session> {
+    pub(crate) fn keep_session(&self, session: marey::Result<Session>) -> Outcome<mry_session> {
         let session = session.map_err(|e| Failure::from(e).about("path"))?;
         for warning in session.warnings() {
             self.context.log(MRY_LOG_WARNING, warning);
@@ -377,6 +381,8 @@ pub unsafe extern "C" fn mry_session_get_state(
                 recovered_count: session.replayed() as u64,
                 gesture_count: session.gestures(),
                 revision: *revision,
+                embedded: session.is_embedded().into(),
+                recording: session.is_recording().into(),
             });
             Ok(Code::MRY_OK)
         })

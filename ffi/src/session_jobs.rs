@@ -1,6 +1,10 @@
 //! Session jobs. Tracking a session and making its creature, with the parameters chosen in it. A job works on the
 //! session as it is when the job starts; mry_session_take takes its motion in as one step of undo, whatever was edited
 //! meanwhile. Results are compared by what they were made of: an edit that is undone puts nothing out of date.
+//!
+//! Only what is out of date is tracked: a stroke that was drawn or corrected re-does its limb, the limbs that hang on
+//! it and the twin it is told from, between the key frames around it. Everything else keeps its place to the bit, and
+//! the time taken is that share of the clip's. Take the motion away (mry_session_set_motion) to track all anew.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -8,7 +12,7 @@ use std::sync::Arc;
 use marey::motion::Motion;
 use marey::pipeline::{self, PipelineOptions};
 use marey::segment::CostVolumeSegmenter;
-use marey::session::{Chosen, Inputs, Tracked};
+use marey::session::{Chosen, Document, Incremental, Inputs, Tracked};
 use marey::track::Tracker;
 use marey::track::limb::LimbTracker;
 
@@ -46,9 +50,10 @@ pub(crate) struct ForSession {
 
 impl Call<'_> {
     fn session_track_work(&self, session: mry_session) -> Outcome<Work> {
-        let (clip, inputs, Chosen { track, .. }) = self.session_inputs(session)?;
+        let (clip, inputs, tracked, Chosen { track, .. }) = self.session_inputs(session)?;
         Ok(Box::new(move |progress| {
             let tracker = LimbTracker { params: track };
+            let tracker = Incremental { tracker: &tracker, inputs: &inputs, tracked: tracked.as_ref() };
             let motion = Arc::new(tracker.track(&clip, &inputs.rig, progress.whole())?);
             let made = ForSession { session: session.v, inputs, motion: motion.clone(), creature: false };
             Ok(Product { motion: Part::Made(motion), for_session: Part::Made(made), ..Product::default() })
@@ -58,10 +63,11 @@ impl Call<'_> {
     unsafe fn session_creature_work(&self, session: mry_session, folder: mry_str) -> Outcome<Work> {
         // SAFETY: the string is valid, as the header asks.
         let folder = if folder.len == 0 { None } else { Some(PathBuf::from(unsafe { folder.name("folder")? })) };
-        let (clip, inputs, chosen) = self.session_inputs(session)?;
+        let (clip, inputs, tracked, chosen) = self.session_inputs(session)?;
         Ok(Box::new(move |progress| {
             let Chosen { track, segment, creature, export, .. } = chosen;
             let (tracker, segmenter) = (LimbTracker { params: track }, CostVolumeSegmenter { params: segment });
+            let tracker = Incremental { tracker: &tracker, inputs: &inputs, tracked: tracked.as_ref() };
             let mut options = PipelineOptions::new(&tracker, &segmenter);
             options.creature = creature;
             options.settings = serde_json::to_value(&inputs.settings).unwrap_or_default();
@@ -85,15 +91,18 @@ impl Call<'_> {
         }))
     }
 
-    /// What a job works on: the clip, what is drawn, which fits it, and what is chosen.
-    fn session_inputs(&self, session: mry_session) -> Outcome<(Arc<marey::clip::Clip>, Inputs, Chosen)> {
+    /// What a job works on: the clip, what is drawn, which fits it, what was tracked before, and what is chosen.
+    fn session_inputs(
+        &self,
+        session: mry_session,
+    ) -> Outcome<(Arc<marey::clip::Clip>, Inputs, Option<Tracked>, Chosen)> {
         self.session(session, |document| {
-            let clip = document.clip(&self.context.limits.clip_options(Default::default()))?;
-            let inputs = document.session.document().inputs.clone();
+            let clip = document.clip(&self.context.clip_options(Default::default()))?;
+            let Document { inputs, tracked } = document.session.document().clone();
             let fit = ((clip.info().width, clip.info().height), clip.info().frames);
             inputs.rig.validate(Some(fit)).map_err(|e| Failure::from(e).about("session"))?;
             let chosen = inputs.settings.resolve();
-            Ok((clip, inputs, chosen))
+            Ok((clip, inputs, tracked, chosen))
         })
     }
 

@@ -27,7 +27,11 @@ impl Document {
             Some((of, clip)) if *of == reference => Ok(clip.clone()),
             _ => {
                 let clip = Clip::open_with(&reference.path, options).map_err(|e| Failure::from(e).about("session"))?;
-                let clip = Arc::new(clip);
+                // An embedded clip stays unpacked for as long as anybody reads it.
+                let clip = match self.session.unpacked_media() {
+                    Some(unpacked) => Arc::new(clip.keeping(unpacked)),
+                    None => Arc::new(clip),
+                };
                 self.clip = Some((reference, clip.clone()));
                 Ok(clip)
             }
@@ -92,9 +96,36 @@ pub unsafe extern "C" fn mry_session_get_clip(
 ) -> mry_status {
     entry!(context, err, |call| {
         let out = Out::new(out_clip, "out_clip")?;
-        let options = options_in(options, &call.context.limits)?;
+        let options = options_in(options, call.context)?;
         let clip = call.session(session, |document| document.clip(&options))?;
         out.set(call.keep_clip(clip)?);
+        Ok(Code::MRY_OK)
+    })
+}
+
+/// Lets further saves put the clip and the painted masks into the session's file, so that the one file is all there is
+/// to carry about; or refer to them, which is how a session begins. Every save then writes them anew. While such a
+/// session is open they lie unpacked in a hidden folder beside it.
+///
+/// @param context   The context.
+/// @param session   The session.
+/// @param embedded  1 to embed, 0 to refer.
+/// @param err       Detail of a failure, or NULL.
+/// @return MRY_OK; MRY_E_ARGUMENT (embedded), MRY_E_INPUT (the session is read-only, or it is all that has them),
+///         MRY_E_BUSY.
+/// Thread: [any-thread]. Since 0.1.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mry_session_set_embedded(
+    context: *mut mry_context,
+    session: mry_session,
+    embedded: u32,
+    err: *mut mry_error,
+) -> mry_status {
+    entry!(context, err, |call| {
+        if embedded > 1 {
+            return Err(Failure::argument("embedded", format!("embedded is {embedded}; give 0 or 1")));
+        }
+        call.session_mut(session, |document| Ok(document.session.set_embedded(embedded == 1)?))?;
         Ok(Code::MRY_OK)
     })
 }

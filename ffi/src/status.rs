@@ -53,6 +53,8 @@ pub enum mry_status_code {
 
     /// Something is larger than the library allows.
     MRY_E_LIMIT = -301,
+    /// The host's allocator had no memory to lend.
+    MRY_E_MEMORY = -302,
 
     /// The operating system refused: disk full, no permission, a failing device.
     MRY_E_IO = -401,
@@ -67,7 +69,7 @@ pub enum mry_status_code {
 
 impl mry_status_code {
     /// All codes, for the lookup from a number.
-    const ALL: [Self; 24] = [
+    const ALL: [Self; 25] = [
         Self::MRY_OK,
         Self::MRY_PENDING,
         Self::MRY_CANCELLED,
@@ -88,6 +90,7 @@ impl mry_status_code {
         Self::MRY_E_INPUT,
         Self::MRY_E_NO_FILE,
         Self::MRY_E_LIMIT,
+        Self::MRY_E_MEMORY,
         Self::MRY_E_IO,
         Self::MRY_E_THREADS,
         Self::MRY_E_PANIC,
@@ -116,6 +119,7 @@ impl mry_status_code {
             Self::MRY_E_INPUT => c"bad input",
             Self::MRY_E_NO_FILE => c"no such file or folder",
             Self::MRY_E_LIMIT => c"larger than allowed",
+            Self::MRY_E_MEMORY => c"no memory was lent",
             Self::MRY_E_IO => c"the operating system refused",
             Self::MRY_E_THREADS => c"no thread could be started",
             Self::MRY_E_PANIC => c"a defect of the library",
@@ -139,6 +143,7 @@ pub(crate) fn of(error: &marey::Error) -> mry_status_code {
     use marey::{Category, Error};
     match error {
         Error::Io { source, .. } if source.kind() == std::io::ErrorKind::NotFound => mry_status_code::MRY_E_NO_FILE,
+        Error::Memory { .. } => mry_status_code::MRY_E_MEMORY,
         _ => match error.category() {
             Category::BadInput => mry_status_code::MRY_E_INPUT,
             Category::Limit => mry_status_code::MRY_E_LIMIT,

@@ -11,7 +11,7 @@ use crate::status::mry_status_code;
 #[derive(Debug)]
 pub(crate) struct Slot<T> {
     pub(crate) value: T,
-    pub(crate) poisoned: Arc<AtomicBool>,
+    poisoned: AtomicBool,
 }
 
 /// All objects of one kind in one context.
@@ -62,7 +62,7 @@ impl<T> Table<T> {
             }
         };
         let (generation, object) = &mut places.objects[place];
-        *object = Some(Arc::new(Slot { value, poisoned: Arc::default() }));
+        *object = Some(Arc::new(Slot { value, poisoned: AtomicBool::new(false) }));
         Ok(u64::from(*generation) << GENERATION_SHIFT | self.kind | place as u64)
     }
 
@@ -85,6 +85,16 @@ impl<T> Table<T> {
             return Err(Failure::new(mry_status_code::MRY_E_POISONED, param, message));
         }
         Ok(slot)
+    }
+
+    /// Lets only the destruction of the object of `id` go on, where it is one of these.
+    pub(crate) fn poison(&self, id: u64) {
+        let (place, generation) = self.place(id);
+        if let Some((current, Some(slot))) = self.lock().objects.get(place)
+            && *current == generation
+        {
+            slot.poisoned.store(true, Ordering::Release);
+        }
     }
 
     /// Takes the object of `id` out, poisoned or not; its id is stale from here on.

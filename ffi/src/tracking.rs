@@ -1,10 +1,12 @@
 //! Tracking. From strokes on key frames to strokes on every frame.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use marey::clip::Clip;
+use marey::motion::Motion;
 use marey::rig::Rig;
-use marey::track::Tracker;
+use marey::track::{Earlier, Tracker, outdated_frames};
 
 use crate::border::{self, Out, Versioned, reserved};
 use crate::clip::mry_clip;
@@ -33,13 +35,21 @@ pub struct mry_track_desc {
     pub rig: mry_rig,
     /// The tracker: "space-time", "paper" (Reinert 2016, section 3.5); empty for the best.
     pub tracker: mry_str,
+    /// What was tracked before with the same tracker from earlier_rig on the same clip; {0} to track everything. Only
+    /// what differs between the rigs is tracked again, between the key frames around it; the rest stays to the bit.
+    pub earlier: mry_motion,
+    /// What was drawn then; {0} without earlier.
+    pub earlier_rig: mry_rig,
 }
 
 // SAFETY: repr(C), starts with its u32 size; integers, and a string that the host vouches for.
 unsafe impl Versioned for mry_track_desc {
     const FIRST_SIZE: usize = 40;
 }
-const _: () = assert!(size_of::<mry_track_desc>() == 40);
+const _: () = assert!(size_of::<mry_track_desc>() == 56);
+
+/// A motion, and for every limb the frames in which it no longer holds.
+type Before = (Arc<Motion>, Vec<Vec<Range<usize>>>);
 
 impl Call<'_> {
     unsafe fn track_work(&self, desc: *const mry_track_desc) -> Outcome<Work> {
@@ -49,10 +59,29 @@ impl Call<'_> {
         // SAFETY: as above.
         let tracker = unsafe { tracker(desc.tracker)? };
         let (clip, rig) = self.clip_and_rig(desc.clip, desc.rig)?;
+        let earlier = self.earlier(&desc, &clip, &rig)?;
         Ok(Box::new(move |progress| {
-            let motion = tracker.track(&clip, &rig, progress.whole())?;
+            let motion = match &earlier {
+                None => tracker.track(&clip, &rig, progress.whole())?,
+                Some((motion, outdated)) => {
+                    tracker.retrack(&clip, &rig, Earlier { motion, outdated }, progress.whole())?
+                }
+            };
             Ok(Product { motion: Part::Made(Arc::new(motion)), ..Product::default() })
         }))
+    }
+
+    /// What was tracked before and where it no longer holds, where that is given.
+    fn earlier(&self, desc: &mry_track_desc, clip: &Clip, rig: &Rig) -> Outcome<Option<Before>> {
+        if desc.earlier.v == 0 && desc.earlier_rig.v == 0 {
+            return Ok(None);
+        }
+        let motion = self.motion(desc.earlier).map_err(|e| e.about("desc.earlier"))?;
+        let frames = clip.info().frames;
+        let outdated = self
+            .rig(desc.earlier_rig, |old| Ok(outdated_frames(old, rig, frames)))
+            .map_err(|e| e.about("desc.earlier_rig"))?;
+        Ok(Some((motion, outdated)))
     }
 
     /// The clip and a copy of the rig, which fits it.

@@ -23,7 +23,7 @@ pub const MRY_TRACK_POINT: i32 = 2;
 pub const MRY_TRACK_JOINT: i32 = 3;
 
 /// An index of a track.
-fn track_index(motion: &Motion, track: u32) -> Outcome<usize> {
+pub(crate) fn track_index(motion: &Motion, track: u32) -> Outcome<usize> {
     let count = motion.tracks.len();
     let message = || format!("track is {track}, and there are {count}");
     if (track as usize) < count { Ok(track as usize) } else { Err(Failure::argument("track", message())) }

@@ -155,6 +155,13 @@ const CALLS: &[(&str, Has, Run)] = calls! {
     IdAndOut mry_motion_find_track(c, i, o, e, p) => [i.motion, str("body"), o.at()];
     IdAndOut mry_motion_read_frame(c, i, o, e, p) => [i.motion, 0, 0, o.at(), o.at(), o.at(), 4096, o.at()];
     IdAndOut mry_motion_get_bone(c, i, o, e, p) => [i.motion, 0, o.at(), o.at()];
+    Out mry_motion_create(c, i, o, e, p) => [64, 48, 9, 24.0, o.at()];
+    IdAndOut mry_motion_copy(c, i, o, e, p) => [i.motion, o.at()];
+    IdAndOut mry_motion_add_track(c, i, o, e, p) => [i.motion, str("tail"), MRY_TRACK_POINT, 1, o.at()];
+    Id mry_motion_set_frame(c, i, o, e, p) => [i.motion, 0, 0, point(), ptr::null(), ptr::null(), 2];
+    Id mry_motion_add_bone(c, i, o, e, p) => [i.motion, 0, 1];
+    Id mry_motion_remove_bone(c, i, o, e, p) => [i.motion, 0];
+    Id mry_motion_remove_track(c, i, o, e, p) => [i.motion, 1];
     IdAndOut mry_motion_get_correction(c, i, o, e, p) => [i.motion, i.rig, 0, o.sized()];
     IdAndOut mry_motion_get_report(c, i, o, e, p) => [i.motion, i.clip, i.rig, o.at(), 4096, o.at()];
     IdAndOut mry_masks_get_info(c, i, o, e, p) => [i.masks, o.sized()];
@@ -235,6 +242,11 @@ const CALLS: &[(&str, Has, Run)] = calls! {
     IdAndOut mry_session_get_parameter(c, i, o, e, p) => [i.session, str("creature.smoothing"), o.at()];
     IdAndOut mry_session_start_track(c, i, o, e, p) => [i.session, o.at()];
     IdAndOut mry_session_start_creature(c, i, o, e, p) => [i.session, str(""), o.at()];
+    Id mry_session_set_embedded(c, i, o, e, p) => [i.session, 1];
+    Id mry_session_start_recording(c, i, o, e, p) => [i.session, str(p)];
+    Id mry_session_stop_recording(c, i, o, e, p) => [i.session];
+    Out mry_session_replay(c, i, o, e, p) => [str(p), u64::MAX, o.at()];
+    IdAndOut mry_session_get_fingerprint(c, i, o, e, p) => [i.session, o.at()];
     Id mry_session_take(c, i, o, e, p) => [i.session, i.job];
     Id mry_session_run_track(c, i, o, e, p) => [i.session];
     IdAndOut mry_session_run_creature(c, i, o, e, p) => [i.session, str(""), o.at()];
@@ -242,8 +254,9 @@ const CALLS: &[(&str, Has, Run)] = calls! {
 };
 
 /// Functions that destroy, and functions without a context.
-const OTHERS: [&str; 34] = [
+const OTHERS: [&str; 35] = [
     "mry_abi_check",
+    "mry_allocator_init",
     "mry_clip_close",
     "mry_clip_info_init",
     "mry_clip_options_init",

@@ -284,3 +284,64 @@ fn every_bound_of_a_parameter_makes_a_creature_or_says_why_not() {
         index += 1;
     }
 }
+
+#[test]
+fn what_was_recorded_is_played_to_the_same_fingerprint() {
+    let f = fixture();
+    let (c, session, path) = (f.context, f.session(), f.path("what.recording"));
+    let fingerprint = |session| {
+        let mut number = 0;
+        assert_eq!(unsafe { mry_session_get_fingerprint(c, session, &mut number, NO_ERROR) }, OK);
+        number
+    };
+    unsafe {
+        assert_eq!(mry_session_stop_recording(c, session, NO_ERROR), code(MRY_E_NOT_FOUND));
+        assert_eq!(mry_session_start_recording(c, session, str(&path), NO_ERROR), OK);
+        assert_eq!(state(&f, session).recording, 1);
+        draw(&f, session, 4, 30.0);
+        draw(&f, session, 5, 31.0);
+        assert_eq!(mry_session_undo(c, session, NO_ERROR), OK);
+        assert_eq!(mry_session_stop_recording(c, session, NO_ERROR), OK);
+        assert_eq!(mry_session_start_recording(c, session, str(&path), NO_ERROR), code(MRY_E_IO), "it exists");
+        let mut played = mry_session::default();
+        assert_eq!(mry_session_replay(c, str(&path), u64::MAX, &mut played, NO_ERROR), OK);
+        assert_eq!((state(&f, played).recovered_count, fingerprint(played)), (3, fingerprint(session)));
+        assert_eq!(mry_session_replay(c, str(&path), 2, &mut played, NO_ERROR), OK);
+        assert_ne!(fingerprint(played), fingerprint(session));
+        assert_eq!(mry_session_replay(c, str(&f.path("none")), 1, &mut played, NO_ERROR), code(MRY_E_NO_FILE));
+        std::fs::write(&path, b"nonsense").unwrap();
+        assert_eq!(mry_session_replay(c, str(&path), 1, &mut played, NO_ERROR), code(MRY_E_INPUT));
+    }
+}
+
+#[test]
+fn a_session_that_carries_its_clip_is_tracked_where_it_was_taken() {
+    let (f, there) = (fixture(), fixture());
+    let (c, path, moved) = (f.context, f.path("walk.marey"), there.path("moved.marey"));
+    let (mut session, mut err) = (mry_session::default(), error());
+    unsafe {
+        assert_eq!(mry_session_create(c, str(&path), &mut session, &mut err), OK);
+        assert_eq!(mry_session_set_clip(c, session, f.clip(), &mut err), OK);
+        assert_eq!(mry_session_set_rig(c, session, f.rig(), &mut err), OK);
+        assert_eq!(mry_session_set_embedded(c, session, 2, &mut err), code(MRY_E_ARGUMENT));
+        assert_eq!(mry_session_set_embedded(c, session, 1, &mut err), OK);
+        assert_eq!(mry_session_save(c, session, &mut err), OK, "{}", text(&err.message));
+        assert_eq!(mry_session_destroy(c, session), OK);
+        std::fs::rename(&path, &moved).unwrap();
+        std::fs::remove_dir_all(f.path("clip")).unwrap();
+
+        let c = there.context;
+        assert_eq!(mry_session_open(c, str(&moved), MRY_ACCESS_EDIT, &mut session, &mut err), OK);
+        let now = state(&there, session);
+        assert_eq!((now.embedded, now.warning_count), (1, 0));
+        // The job reads on when the session and its folder are gone.
+        let (mut job, mut motion) = (mry_job::default(), mry_motion::default());
+        assert_eq!(mry_session_start_track(c, session, &mut job, &mut err), OK, "{}", text(&err.message));
+        assert_eq!(mry_session_destroy(c, session), OK);
+        assert_eq!(mry_job_wait(c, job, u64::MAX, &mut err), OK, "{}", text(&err.message));
+        assert_eq!(mry_job_take_motion(c, job, &mut motion, &mut err), OK);
+        assert_eq!(mry_job_destroy(c, job), OK);
+    }
+    let left = std::fs::read_dir(there.folder.path()).unwrap().map(|e| e.unwrap().file_name()).collect::<Vec<_>>();
+    assert_eq!(left, ["moved.marey"], "nothing is left lying about");
+}

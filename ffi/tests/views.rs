@@ -238,3 +238,67 @@ fn a_host_that_lends_too_few_threads_gets_no_context() {
         lender.threads.into_inner().unwrap().into_iter().for_each(|t| t.join().unwrap());
     }
 }
+
+/// Lends memory for frames, and keeps count.
+#[derive(Default)]
+struct FrameLender {
+    out: Mutex<std::collections::HashMap<usize, usize>>,
+    most: Mutex<usize>,
+}
+
+unsafe extern "C" fn lend_memory(size: usize, alignment: usize, user: *mut c_void) -> *mut c_void {
+    let lender = unsafe { &*user.cast::<FrameLender>() };
+    let mut out = lender.out.lock().unwrap();
+    if out.values().sum::<usize>() + size > *lender.most.lock().unwrap() {
+        return ptr::null_mut();
+    }
+    let memory = unsafe { std::alloc::alloc(std::alloc::Layout::from_size_align(size, alignment).unwrap()) };
+    out.insert(memory as usize, size);
+    memory.cast()
+}
+
+unsafe extern "C" fn take_memory_back(memory: *mut c_void, size: usize, alignment: usize, user: *mut c_void) {
+    let lender = unsafe { &*user.cast::<FrameLender>() };
+    assert_eq!(lender.out.lock().unwrap().remove(&(memory as usize)), Some(size));
+    unsafe { std::alloc::dealloc(memory.cast(), std::alloc::Layout::from_size_align(size, alignment).unwrap()) };
+}
+
+#[test]
+fn frames_lie_in_the_hosts_memory_and_all_of_it_comes_back() {
+    let lender = FrameLender { most: Mutex::new(usize::MAX), ..FrameLender::default() };
+    let mut allocator = unsafe { std::mem::zeroed::<mry_allocator>() };
+    unsafe { mry_allocator_init(&mut allocator, size_of::<mry_allocator>() as u32) };
+    allocator.user = ptr::from_ref(&lender).cast_mut().cast();
+    let create = |allocator: &mry_allocator| {
+        let desc = mry_context_desc { allocator, ..context_desc(2) };
+        let mut context = ptr::null_mut();
+        (unsafe { mry_context_create(&desc, &mut context, ptr::null_mut()) }, context)
+    };
+    assert_eq!(create(&allocator).0, code(MRY_E_NULL), "an allocator without functions");
+    allocator.alloc = Some(lend_memory);
+    allocator.free = Some(take_memory_back);
+    let (status, context) = create(&allocator);
+    assert_eq!(status, OK);
+    let f = Fixture { context, folder: tempfile::tempdir().unwrap() };
+    let (own, clip) = (fixture(), f.clip());
+    assert_eq!(json(&f, f.motion()), json(&own, own.motion()), "results do not depend on whose memory it is");
+    let frame = 3 * (SIZE.0 * SIZE.1) as usize;
+    unsafe {
+        let mut view = image_view();
+        assert_eq!(mry_clip_map_frame(context, clip, 2, &mut view, ptr::null_mut()), OK);
+        assert_eq!(lender.out.lock().unwrap().get(&(view.data as usize)), Some(&frame), "the map is the host's memory");
+        assert_eq!(view.data as usize % 64, 0);
+        mry_clip_close(context, clip);
+        assert!(lender.out.lock().unwrap().contains_key(&(view.data as usize)), "mapped still");
+        mry_unmap(context, view.map);
+
+        *lender.most.lock().unwrap() = 0;
+        let (mut refused, mut err) = (mry_clip::default(), error());
+        let status = mry_clip_open(context, str(&f.path("clip")), ptr::null(), &mut refused, &mut err);
+        assert_eq!(status, code(MRY_E_MEMORY), "{}", text(&err.message));
+        *lender.most.lock().unwrap() = usize::MAX;
+        assert_eq!(mry_clip_open(context, str(&f.path("clip")), ptr::null(), &mut refused, &mut err), OK);
+    }
+    drop(f);
+    assert!(lender.out.lock().unwrap().is_empty(), "all is given back with the context");
+}

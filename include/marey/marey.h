@@ -72,7 +72,7 @@
 #define MRY_ERROR_INIT { (uint32_t)sizeof(mry_error), 0, { 0 }, { 0 } }
 #define MRY_LIMITS_INIT { (uint32_t)sizeof(mry_limits), 0, 0, 0, 0, 0, 0 }
 #define MRY_EXECUTOR_INIT { (uint32_t)sizeof(mry_executor), 0, NULL, NULL }
-#define MRY_CONTEXT_DESC_INIT { (uint32_t)sizeof(mry_context_desc), MRY_ABI_VERSION, 0, 0, NULL, NULL, NULL, NULL }
+#define MRY_CONTEXT_DESC_INIT { (uint32_t)sizeof(mry_context_desc), MRY_ABI_VERSION, 0, 0, NULL, NULL, NULL, NULL, NULL }
 #define MRY_CLIP_OPTIONS_INIT { (uint32_t)sizeof(mry_clip_options), 0, { NULL, 0 }, 0, 0, 0.0 }
 #define MRY_CLIP_INFO_INIT { (uint32_t)sizeof(mry_clip_info), 0, 0, 0, 0, 0.0, { 0 } }
 #define MRY_MOTION_INFO_INIT { (uint32_t)sizeof(mry_motion_info), 0, 0, 0, 0, 0.0, 0, 0 }
@@ -83,11 +83,11 @@
 #define MRY_IMAGE_VIEW_INIT { (uint32_t)sizeof(mry_image_view), 0, 0, 0, 0, NULL, { 0 } }
 #define MRY_MESH_VIEW_INIT { (uint32_t)sizeof(mry_mesh_view), 0, 0, 0, NULL, NULL, NULL, NULL, { 0 } }
 #define MRY_JOB_STATE_INIT { (uint32_t)sizeof(mry_job_state), 0, 0.0, 0, { 0 } }
-#define MRY_TRACK_DESC_INIT { (uint32_t)sizeof(mry_track_desc), 0, { 0 }, { 0 }, { NULL, 0 } }
+#define MRY_TRACK_DESC_INIT { (uint32_t)sizeof(mry_track_desc), 0, { 0 }, { 0 }, { NULL, 0 }, { 0 }, { 0 } }
 #define MRY_SEGMENT_DESC_INIT { (uint32_t)sizeof(mry_segment_desc), 0, { 0 }, { 0 }, { 0 }, { NULL, 0 }, { NULL, 0 }, { NULL, 0 } }
 #define MRY_CREATURE_DESC_INIT { (uint32_t)sizeof(mry_creature_desc), 0, { 0 }, { 0 }, { NULL, 0 }, { NULL, 0 }, { NULL, 0 } }
 #define MRY_EXPORT_DESC_INIT { (uint32_t)sizeof(mry_export_desc), 0, { 0 }, { NULL, 0 }, 0, 0.0f }
-#define MRY_SESSION_STATE_INIT { (uint32_t)sizeof(mry_session_state), 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0 }
+#define MRY_SESSION_STATE_INIT { (uint32_t)sizeof(mry_session_state), 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0 }
 #define MRY_PARAMETER_INFO_INIT { (uint32_t)sizeof(mry_parameter_info), 0, 0.0, 0.0, 0.0, 0, 0, { 0 }, { 0 } }
 
 
@@ -220,6 +220,8 @@ typedef enum mry_status_code {
   MRY_E_NO_FILE = -202,
   /** Something is larger than the library allows. */
   MRY_E_LIMIT = -301,
+  /** The host's allocator had no memory to lend. */
+  MRY_E_MEMORY = -302,
   /** The operating system refused: disk full, no permission, a failing device. */
   MRY_E_IO = -401,
   /** No thread could be started. */
@@ -346,6 +348,8 @@ typedef struct mry_context_desc {
   const mry_limits *limits;
   /** Where threads come from; NULL for the library's own. Read by mry_context_create only. */
   const mry_executor *executor;
+  /** Where the memory for decoded frames comes from; NULL for the library's own. Read by mry_context_create only. */
+  const mry_allocator *allocator;
 } mry_context_desc;
 
 /** How to open a clip. Start from MRY_CLIP_OPTIONS_INIT. */
@@ -594,6 +598,13 @@ typedef struct mry_track_desc {
   mry_rig rig;
   /** The tracker: "space-time", "paper" (Reinert 2016, section 3.5); empty for the best. */
   mry_str tracker;
+  /**
+   * What was tracked before with the same tracker from earlier_rig on the same clip; {0} to track everything. Only
+   * what differs between the rigs is tracked again, between the key frames around it; the rest stays to the bit.
+   */
+  mry_motion earlier;
+  /** What was drawn then; {0} without earlier. */
+  mry_rig earlier_rig;
 } mry_track_desc;
 
 /** What to segment. Start from MRY_SEGMENT_DESC_INIT; clip and rig must be set. */
@@ -682,6 +693,10 @@ typedef struct mry_session_state {
   uint64_t gesture_count;
   /** Rises with every change, those of a gesture in progress included. */
   uint64_t revision;
+  /** 1 when a save puts the clip and the painted masks into the file, see mry_session_set_embedded. */
+  uint32_t embedded;
+  /** 1 while a recording is in progress. */
+  uint32_t recording;
 } mry_session_state;
 
 /** A session. */
@@ -1456,7 +1471,7 @@ mry_status mry_rig_paint_mask(mry_context *context,
  * @defgroup motion Motions
  *
  * Motions. A motion is named tracks over time, one a limb in the rig's order: for each frame where the limb's points
- * are, which are seen, and how far each is to be trusted. Motions do not change.
+ * are, which are seen, and how far each is to be trusted.
  * @{
  */
 
@@ -3095,6 +3110,25 @@ mry_status mry_session_get_clip(mry_context *context,
                                 mry_error *err);
 
 /**
+ * Lets further saves put the clip and the painted masks into the session's file, so that the one file is all there is
+ * to carry about; or refer to them, which is how a session begins. Every save then writes them anew. While such a
+ * session is open they lie unpacked in a hidden folder beside it.
+ *
+ * @param context   The context.
+ * @param session   The session.
+ * @param embedded  1 to embed, 0 to refer.
+ * @param err       Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_ARGUMENT (embedded), MRY_E_INPUT (the session is read-only, or it is all that has them),
+ *         MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_session_set_embedded(mry_context *context,
+                                    mry_session session,
+                                    uint32_t embedded,
+                                    mry_error *err);
+
+/**
  * Replaces everything that is drawn in a session.
  *
  * @param context  The context.
@@ -3454,6 +3488,10 @@ mry_status mry_session_get_parameter(mry_context *context,
  * Session jobs. Tracking a session and making its creature, with the parameters chosen in it. A job works on the
  * session as it is when the job starts; mry_session_take takes its motion in as one step of undo, whatever was edited
  * meanwhile. Results are compared by what they were made of: an edit that is undone puts nothing out of date.
+ *
+ * Only what is out of date is tracked: a stroke that was drawn or corrected re-does its limb, the limbs that hang on
+ * it and the twin it is told from, between the key frames around it. Everything else keeps its place to the bit, and
+ * the time taken is that share of the clip's. Take the motion away (mry_session_set_motion) to track all anew.
  * @{
  */
 

@@ -81,7 +81,7 @@ mod tests {
     use super::*;
 
     fn entry(bytes: u32) -> Entry {
-        Entry::Picture(Arc::new(Picture { rgb: RgbImage::new(bytes / 3, 1), alpha: None }))
+        Entry::Picture(Arc::new(Picture::new(RgbImage::new(bytes / 3, 1), None)))
     }
 
     #[test]

@@ -296,7 +296,7 @@ impl Frames {
         }
         Some(Ok(match header.channels {
             4 => Picture::from_rgba(&data, width, height),
-            _ => Picture { rgb: RgbImage::from_raw(width, height, data).unwrap_or_default(), alpha: None },
+            _ => Picture::new(RgbImage::from_raw(width, height, data).unwrap_or_default(), None),
         }))
     }
 

@@ -184,7 +184,7 @@ fn read(series: &Series, path: &Path) -> Decoding<Picture> {
         let rgba = image.into_rgba8();
         Ok(Picture::from_rgba(rgba.as_raw(), rgba.width(), rgba.height()))
     } else {
-        Ok(Picture { rgb: image.into_rgb8(), alpha: None })
+        Ok(Picture::new(image.into_rgb8(), None))
     }
 }
 

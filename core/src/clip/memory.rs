@@ -32,7 +32,7 @@ pub(super) fn open(frames: Vec<RgbImage>, fps: f64) -> Result<Opened> {
     }
     let times = (0..frames.len()).map(|i| i as f64 / fps).collect();
     let info = ClipInfo { width, height, frames: frames.len(), fps, source: "memory", warnings: Vec::new() };
-    let frames = frames.into_iter().map(|rgb| Arc::new(Picture { rgb, alpha: None })).collect();
+    let frames = frames.into_iter().map(|rgb| Arc::new(Picture::new(rgb, None))).collect();
     Ok(Opened { info, times, pictures: None, source: Box::new(Memory(frames)) })
 }
 

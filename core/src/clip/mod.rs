@@ -12,6 +12,7 @@ mod animation;
 mod cache;
 mod ffmpeg;
 mod folder;
+mod frame_memory;
 mod memory;
 #[cfg(feature = "h264")]
 mod mp4;
@@ -20,14 +21,18 @@ mod pool;
 mod source;
 mod yuv;
 
+use std::any::Any;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use image::{GrayImage, RgbImage};
 
+pub use self::frame_memory::{FrameBytes, FrameImage, FrameMemory, LentBytes};
+
 use self::cache::Entry;
 use self::ffmpeg::NoHelp;
+use self::frame_memory::{frame_image, lent_image};
 use self::pool::Pool;
 use self::source::Source;
 use crate::error::{Error, Result};
@@ -51,24 +56,32 @@ pub struct ClipInfo {
 }
 
 /// One decoded picture.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct Picture {
     /// Colours, sRGB.
-    pub rgb: RgbImage,
+    pub rgb: FrameImage,
     /// Opacity, where the source has any.
     pub alpha: Option<GrayImage>,
 }
 
 impl Picture {
+    fn new(rgb: RgbImage, alpha: Option<GrayImage>) -> Self {
+        Self { rgb: frame_image(rgb), alpha }
+    }
+
+    /// The picture with its colours in memory that is lent, where any is.
+    fn lent(self: Arc<Self>, memory: Option<&Arc<dyn FrameMemory>>) -> Result<Arc<Self>> {
+        let Some(memory) = memory else { return Ok(self) };
+        Ok(Arc::new(Self { rgb: lent_image(&self.rgb, &**memory)?, alpha: self.alpha.clone() }))
+    }
+
     /// Colours and opacity apart; opacity only where any pixel lacks some. `rgba` holds four bytes a pixel.
     fn from_rgba(rgba: &[u8], width: u32, height: u32) -> Self {
         let rgb = rgba.chunks_exact(4).flat_map(|p| [p[0], p[1], p[2]]).collect();
         let opaque = rgba.chunks_exact(4).all(|p| p[3] == 255);
         let alpha = (!opaque).then(|| rgba.chunks_exact(4).map(|p| p[3]).collect());
-        Self {
-            rgb: RgbImage::from_raw(width, height, rgb).unwrap_or_default(),
-            alpha: alpha.and_then(|a| GrayImage::from_raw(width, height, a)),
-        }
+        let rgb = RgbImage::from_raw(width, height, rgb).unwrap_or_default();
+        Self::new(rgb, alpha.and_then(|a| GrayImage::from_raw(width, height, a)))
     }
 }
 
@@ -84,11 +97,19 @@ pub struct ClipOptions {
     pub max_pixels: u64,
     /// Frames a second of a folder of images, which cannot say.
     pub images_fps: f64,
+    /// Who lends the memory for decoded frames; [`None`]: it is the engine's own.
+    pub memory: Option<Arc<dyn FrameMemory>>,
 }
 
 impl Default for ClipOptions {
     fn default() -> Self {
-        Self { ffmpeg: Some("ffmpeg".into()), cache_bytes: 256 << 20, max_pixels: 64 << 20, images_fps: 24.0 }
+        Self {
+            ffmpeg: Some("ffmpeg".into()),
+            cache_bytes: 256 << 20,
+            max_pixels: 64 << 20,
+            images_fps: 24.0,
+            memory: None,
+        }
     }
 }
 
@@ -100,6 +121,8 @@ pub struct Clip {
     /// The picture of each frame, where that is not the frame's own number.
     pictures: Option<Vec<u32>>,
     pool: Pool,
+    /// What its files need to stay.
+    kept: Option<Arc<dyn Any + Send + Sync>>,
 }
 
 /// What each kind of clip gives on opening.
@@ -131,7 +154,9 @@ impl From<Error> for Refusal {
 
 impl std::fmt::Debug for Clip {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Clip").field("name", &self.name).field("info", &self.info).finish_non_exhaustive()
+        let kept = self.kept.is_some();
+        let (name, info) = (&self.name, &self.info);
+        f.debug_struct("Clip").field("name", name).field("info", info).field("kept", &kept).finish_non_exhaustive()
     }
 }
 
@@ -216,7 +241,13 @@ impl Clip {
 
     fn new(path: &Path, opened: Opened, options: &ClipOptions) -> Self {
         let Opened { info, times, pictures, source } = opened;
-        Self { name: path.to_owned(), info, times, pictures, pool: Pool::new(source, options.cache_bytes) }
+        Self { name: path.to_owned(), info, times, pictures, pool: Pool::new(source, options), kept: None }
+    }
+
+    /// The clip, which keeps `what` alive for as long as it is read: a folder that is removed with its last user.
+    pub fn keeping(mut self, what: Arc<dyn Any + Send + Sync>) -> Self {
+        self.kept = Some(what);
+        self
     }
 
     /// The file or folder that it was opened from.
@@ -257,7 +288,7 @@ impl Clip {
         match self.pool.get(number)? {
             Some(Entry::Picture(picture)) => Ok(picture),
             Some(Entry::Planes(planes)) => {
-                let picture = Arc::new(planes.to_picture());
+                let picture = Arc::new(planes.to_picture()).lent(self.pool.memory())?;
                 self.pool.keep(number, Entry::Picture(Arc::clone(&picture)));
                 Ok(picture)
             }

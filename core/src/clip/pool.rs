@@ -10,6 +10,7 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 
 use super::cache::{Cache, Entry};
 use super::source::{Damage, Decoded, Source, Stream};
+use super::{ClipOptions, FrameMemory};
 use crate::error::Result;
 
 /// A stream a little before the restart point of a request still serves it better than a new decoder.
@@ -17,6 +18,7 @@ const NEAR: usize = 8;
 
 pub(super) struct Pool {
     source: Box<dyn Source>,
+    memory: Option<Arc<dyn FrameMemory>>,
     state: Mutex<State>,
     changed: Condvar,
 }
@@ -36,9 +38,14 @@ struct Idle {
 }
 
 impl Pool {
-    pub(super) fn new(source: Box<dyn Source>, cache_bytes: usize) -> Self {
-        let state = State { cache: Cache::new(cache_bytes), idle: Vec::new(), busy: Vec::new(), clock: 0 };
-        Self { source, state: Mutex::new(state), changed: Condvar::new() }
+    pub(super) fn new(source: Box<dyn Source>, options: &ClipOptions) -> Self {
+        let state = State { cache: Cache::new(options.cache_bytes), idle: Vec::new(), busy: Vec::new(), clock: 0 };
+        Self { source, memory: options.memory.clone(), state: Mutex::new(state), changed: Condvar::new() }
+    }
+
+    /// Who lends the memory for frames.
+    pub(super) fn memory(&self) -> Option<&Arc<dyn FrameMemory>> {
+        self.memory.as_ref()
     }
 
     fn lock(&self) -> MutexGuard<'_, State> {
@@ -97,8 +104,8 @@ impl Pool {
             let Some(next) = next else { return failed() };
             let Some((number, decoded)) = next? else { break None };
             let entry = match decoded {
-                Decoded::Picture(p) => Entry::Picture(p),
-                Decoded::Planes(p) => Entry::Planes(Arc::new(p)),
+                Decoded::Picture(p) => Entry::Picture(p.lent(self.memory())?),
+                Decoded::Planes(p) => Entry::Planes(Arc::new(p.lent(self.memory())?)),
                 Decoded::Damaged(damage) => Entry::Damaged(Arc::new(damage)),
             };
             let mut state = self.lock();

@@ -4,10 +4,13 @@
 //! by default (H.264 E.2.1, chroma_sample_loc_type 0): on the even columns, halfway between two rows.
 //! Transfer curves and primaries are taken as they come: no tone mapping of HDR.
 
+use std::sync::Arc;
+
 use image::RgbImage;
 
-use super::Picture;
 use super::orientation::Orientation;
+use super::{FrameBytes, FrameMemory, Picture};
+use crate::error::Result;
 
 /// How to get from numbers to colours.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,12 +46,12 @@ impl ColorSpace {
 }
 
 /// A decoded picture in planes: 4:2:0, 8 bits, rows without padding.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub(super) struct Planes {
     pub(super) width: usize,
     pub(super) height: usize,
     /// `width * height` values, then twice `ceil(width / 2) * ceil(height / 2)`: luma, blue and red difference.
-    pub(super) data: Vec<u8>,
+    pub(super) data: FrameBytes,
     pub(super) color: ColorSpace,
     pub(super) orientation: Orientation,
 }
@@ -61,6 +64,12 @@ const CHROMA_SCALE: i32 = 8;
 impl Planes {
     pub(super) fn bytes(&self) -> usize {
         self.data.len()
+    }
+
+    /// The planes in memory that is lent, where any is.
+    pub(super) fn lent(self, memory: Option<&Arc<dyn FrameMemory>>) -> Result<Self> {
+        let Some(memory) = memory else { return Ok(self) };
+        Ok(Self { data: self.data.lent(&**memory)?, ..self })
     }
 
     /// The colours, turned upright.
@@ -85,7 +94,7 @@ impl Planes {
             }
         }
         let rgb = RgbImage::from_raw(w as u32, h as u32, rgb).unwrap_or_default();
-        Picture { rgb: self.orientation.apply(rgb), alpha: None }
+        Picture::new(self.orientation.apply(rgb), None)
     }
 }
 
@@ -147,7 +156,7 @@ mod tests {
     fn flat(color: ColorSpace, [y, u, v]: [u8; 3], width: usize, height: usize) -> Planes {
         let chroma = width.div_ceil(2) * height.div_ceil(2);
         let data = [vec![y; width * height], vec![u; chroma], vec![v; chroma]].concat();
-        Planes { width, height, data, color, orientation: Orientation::default() }
+        Planes { width, height, data: data.into(), color, orientation: Orientation::default() }
     }
 
     /// The definition, H.273 equations 38 to 43, in floating point.
@@ -177,11 +186,13 @@ mod tests {
     #[test]
     fn chroma_ramps_are_interpolated_not_repeated() {
         let mut planes = flat(BT709_FULL, [128, 128, 128], 16, 4);
+        let mut data = planes.data.to_vec();
         for row in 0..2 {
             for x in 0..8 {
-                planes.data[64 + 16 + row * 8 + x] = (128 + 4 * x) as u8;
+                data[64 + 16 + row * 8 + x] = (128 + 4 * x) as u8;
             }
         }
+        planes.data = data.into();
         let shown = planes.to_picture().rgb;
         let reds: Vec<u8> = (0..15).map(|x| shown.get_pixel(x, 1).0[0]).collect();
         assert!(reds.windows(2).all(|w| w[1] > w[0]), "a ramp in chroma must rise at every pixel: {reds:?}");

@@ -1,6 +1,7 @@
 //! Motion: named tracks over time, whatever made them. Any motion can drive any shape.
 
 mod blend;
+mod edit;
 mod motion_file;
 
 pub use blend::blend_tree;

@@ -1,6 +1,8 @@
 //! Smaller versions of images: exact halves for coarse-to-fine work, and area averages for any size.
 
-use image::RgbImage;
+use std::ops::Deref;
+
+use image::{ImageBuffer, Rgb, RgbImage};
 
 use super::Grid;
 
@@ -36,9 +38,10 @@ pub fn fitted(width: u32, height: u32, longest: u32) -> (u32, u32) {
 }
 
 /// The image at another, not larger, size: every new pixel is the mean of what it covers.
-pub fn shrunk(image: &RgbImage, width: u32, height: u32) -> RgbImage {
+pub fn shrunk<B: Deref<Target = [u8]>>(image: &ImageBuffer<Rgb<u8>, B>, width: u32, height: u32) -> RgbImage {
     if (width, height) == image.dimensions() || width == 0 || height == 0 || image.is_empty() {
-        return image.clone();
+        let (width, height) = image.dimensions();
+        return RgbImage::from_raw(width, height, image.as_raw().to_vec()).unwrap_or_default();
     }
     let (from_width, from_height) = (image.width() as usize, image.height() as usize);
     let (across, down) = (coverage(from_width, width as usize), coverage(from_height, height as usize));
@@ -102,7 +105,7 @@ mod tests {
 
     #[test]
     fn shrinking_keeps_the_mean_and_the_place() {
-        let image = RgbImage::from_fn(100, 60, |x, y| image::Rgb([(x * 2) as u8, (y * 4) as u8, 7]));
+        let image = RgbImage::from_fn(100, 60, |x, y| Rgb([(x * 2) as u8, (y * 4) as u8, 7]));
         let small = shrunk(&image, 37, 23);
         for (x, y, p) in small.enumerate_pixels() {
             let centre = ((x as f32 + 0.5) / 0.37 - 0.5, (y as f32 + 0.5) * 60.0 / 23.0 - 0.5);

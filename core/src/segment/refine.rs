@@ -2,8 +2,8 @@
 //! neighbourhood of the mask's outline only.
 
 use glam::vec2;
-use image::RgbImage;
 
+use crate::clip::FrameImage;
 use crate::raster::guided_filter::guided_filter;
 use crate::raster::sample::bilinear;
 use crate::raster::{Grid, Mask};
@@ -14,7 +14,7 @@ const RADIUS: f32 = 2.0;
 const SMOOTHNESS: f32 = 4e-4;
 
 /// The mask at the picture's size.
-pub(super) fn refine(picture: &RgbImage, small: &Mask) -> Mask {
+pub(super) fn refine(picture: &FrameImage, small: &Mask) -> Mask {
     let (width, height) = (picture.width() as usize, picture.height() as usize);
     let scale = vec2(small.width() as f32 / width as f32, small.height() as f32 / height as f32);
     let radius = (RADIUS / scale.max_element()).round().max(1.0) as usize;

@@ -98,11 +98,7 @@ pub(super) fn for_batches<T: Send>(
 }
 
 fn reduce(picture: &Picture, width: u32, height: u32) -> Grid<[u8; 3]> {
-    let small = if picture.rgb.dimensions() == (width, height) {
-        picture.rgb.clone()
-    } else {
-        pyramid::shrunk(&picture.rgb, width, height)
-    };
+    let small = pyramid::shrunk(&picture.rgb, width, height);
     Grid::from_vec(width as usize, height as usize, small.pixels().map(|p| p.0).collect())
 }
 

@@ -14,11 +14,14 @@ mod document;
 mod durable;
 mod edit;
 mod editing;
+mod embedded;
 mod history;
+mod incremental;
 mod journal;
 mod outdated;
 mod parameters;
 mod record;
+mod recording;
 mod session_file;
 mod store;
 #[cfg(test)]
@@ -26,14 +29,19 @@ mod tests;
 
 pub use clip_reference::{ClipReference, ClipState};
 pub use document::{Document, Inputs, Tracked};
+pub use embedded::UnpackedMedia;
+pub use incremental::Incremental;
 pub use outdated::{Outdated, OutdatedLimb};
 pub use parameters::{Chosen, Kind, PARAMETERS, Parameter, Settings, Value};
 pub use store::Access;
+
+use std::sync::Arc;
 
 use crate::error::{Error, Result};
 use edit::Edit;
 use history::{Gesture, History, apply_all, take_back};
 use journal::{Entry, Way};
+use recording::Recording;
 use store::Store;
 
 /// A document with its history, and where it is kept.
@@ -53,6 +61,10 @@ pub struct Session {
     unknown: Vec<serde_json::Value>,
     warnings: Vec<String>,
     replayed: usize,
+    recording: Option<Recording>,
+    /// Whether a save puts the clip and the masks into the file.
+    embeds: bool,
+    unpacked: Option<Arc<UnpackedMedia>>,
 }
 
 impl Session {
@@ -207,7 +219,9 @@ impl Session {
     /// Counts a finished gesture, once it is in the journal.
     fn finish(&mut self, way: Way, label: &str, edits: Vec<Edit>) -> Result<()> {
         let number = self.number.saturating_add(1);
-        self.store.append(&Entry { number, way, label: label.to_owned(), edits })?;
+        let entry = Entry { number, way, label: label.to_owned(), edits };
+        self.store.append(&entry)?;
+        self.record(&entry);
         self.number = number;
         Ok(())
     }
@@ -222,6 +236,43 @@ impl Session {
         }
         self.replayed += 1;
         Ok(())
+    }
+
+    /// Whether a recording is in progress.
+    pub fn is_recording(&self) -> bool {
+        self.recording.is_some()
+    }
+
+    /// Whether a save puts the clip and the masks into the file, rather than references to them.
+    pub fn is_embedded(&self) -> bool {
+        self.embeds
+    }
+
+    /// Lets further saves embed the clip and the masks, or refer to them.
+    ///
+    /// # Errors
+    /// The session is read-only, or is all that has them.
+    pub fn set_embedded(&mut self, embedded: bool) -> Result<()> {
+        self.check_editable()?;
+        let Inputs { clip, rig, .. } = &self.document.inputs;
+        let only_here = |unpacked: &Arc<UnpackedMedia>| {
+            let masks = rig.keyframes.iter().filter_map(|k| k.mask.as_ref());
+            clip.iter().map(|c| &c.path).chain(masks).any(|path| unpacked.has(path))
+        };
+        if !embedded && self.unpacked.as_ref().is_some_and(only_here) {
+            let remedy = "choose the clip and the masks from files of your own first";
+            return Err(Error::invalid("session", "is all that has its clip or its masks", remedy));
+        }
+        if self.embeds != embedded {
+            self.embeds = embedded;
+            self.saved = None;
+        }
+        Ok(())
+    }
+
+    /// The embedded media, unpacked; whoever works with their paths holds this meanwhile.
+    pub fn unpacked_media(&self) -> Option<Arc<UnpackedMedia>> {
+        self.unpacked.clone()
     }
 
     fn check_no_gesture(&self) -> Result<()> {

@@ -4,7 +4,8 @@
 use std::ops::Range;
 
 use super::document::Inputs;
-use crate::rig::{Limb, Rig, Stroke};
+use crate::rig::Rig;
+use crate::track::outdated_frames;
 
 /// What was made of other inputs than the present ones.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -42,19 +43,10 @@ impl Outdated {
             _ => false,
         };
         let all = !same_clip || old.rig.size != new.rig.size || !old.settings.same("track.", &new.settings);
-        let mut limbs = Vec::new();
-        for (at, limb) in new.rig.limbs.iter().enumerate() {
-            let was = old.rig.limbs.iter().position(|l| l.label == limb.label);
-            let ranges = match was {
-                Some(was) if !all && kinship(&old.rig, was) == kinship(&new.rig, at) => {
-                    touched(&keys(&old.rig, was), &keys(&new.rig, at), frames)
-                }
-                _ => std::iter::once(0..frames).filter(|r| !r.is_empty()).collect(),
-            };
-            if !ranges.is_empty() {
-                limbs.push(OutdatedLimb { label: limb.label.clone(), frames: ranges });
-            }
-        }
+        let nothing = Rig { size: new.rig.size, limbs: Vec::new(), keyframes: Vec::new() };
+        let ranges = outdated_frames(if all { &nothing } else { &old.rig }, &new.rig, frames);
+        let limbs = new.rig.limbs.iter().zip(ranges).filter(|(_, ranges)| !ranges.is_empty());
+        let limbs = limbs.map(|(limb, frames)| OutdatedLimb { label: limb.label.clone(), frames }).collect();
         let creature = all
             || old.rig != new.rig
             || !old.settings.same("segment.", &new.settings)
@@ -73,34 +65,4 @@ impl Outdated {
 fn frame_count(inputs: &Inputs) -> usize {
     let drawn = inputs.rig.keyframes.last().map_or(0, |k| k.frame.saturating_add(1));
     inputs.clip.as_ref().map_or(drawn, |clip| clip.frames)
-}
-
-/// What trackers know of a limb beside its strokes: its side and its twin.
-fn kinship(rig: &Rig, limb: usize) -> (Option<&Limb>, Option<&str>) {
-    (rig.limbs.get(limb), rig.twin(limb).map(|twin| rig.limbs[twin].label.as_str()))
-}
-
-fn keys(rig: &Rig, limb: usize) -> Vec<(usize, &Stroke)> {
-    rig.keys_of(limb).collect()
-}
-
-/// The frames whose track hangs on a key frame that differs.
-fn touched(old: &[(usize, &Stroke)], new: &[(usize, &Stroke)], frames: usize) -> Vec<Range<usize>> {
-    let at = |keys: &[(usize, &Stroke)], frame: usize| {
-        keys.binary_search_by_key(&frame, |k| k.0).ok().map(|i| keys[i].1.points.clone())
-    };
-    let mut named: Vec<usize> = old.iter().chain(new).map(|k| k.0).collect();
-    named.sort_unstable();
-    named.dedup();
-    let (kept, changed): (Vec<usize>, Vec<usize>) = named.into_iter().partition(|&f| at(old, f) == at(new, f));
-    let mut ranges: Vec<Range<usize>> = Vec::new();
-    for frame in changed {
-        let next = kept.partition_point(|&k| k < frame);
-        let from = next.checked_sub(1).map_or(0, |before| kept[before].saturating_add(1));
-        let to = kept.get(next).copied().unwrap_or(frames).min(frames);
-        if from < to && ranges.last().is_none_or(|last| last.end <= from) {
-            ranges.push(from..to);
-        }
-    }
-    ranges
 }

@@ -14,6 +14,7 @@ use serde::{Deserialize, Serialize};
 use super::clip_reference::{ClipReference, ClipState};
 use super::document::{Document, Inputs, Tracked};
 use super::durable::folder_of;
+use super::embedded::{self, Piece};
 use super::record;
 use crate::error::{Error, Result};
 use crate::job::Stage;
@@ -21,6 +22,8 @@ use crate::rig::Rig;
 
 const FORMAT: &str = "marey-session";
 const VERSION: u32 = 1;
+/// The name of the sections that hold pieces of embedded media.
+const MEDIA: &str = "media";
 /// A session of more bytes was not made by this program.
 const MAX_BYTES: u64 = 4 << 30;
 
@@ -68,6 +71,10 @@ pub(super) struct Contents {
     pub(super) id: Option<String>,
     pub(super) saved: u64,
     pub(super) scratch: bool,
+    /// Whether the clip and the masks are to be put into the file.
+    pub(super) embeds: bool,
+    /// The pieces of them that were found in it.
+    pub(super) media: Vec<Piece>,
     /// Sections that are not known, as they were.
     pub(super) unknown: Vec<serde_json::Value>,
     /// What could not be read, a sentence each.
@@ -91,6 +98,14 @@ pub(super) fn encode(contents: &Contents, path: &Path) -> Result<Vec<u8>> {
     add("settings", section("settings", &inputs.settings))?;
     if let Some(tracked) = tracked {
         add("tracked", section("tracked", tracked))?;
+    }
+    if contents.embeds {
+        let mut pieces = String::new();
+        embedded::pieces(inputs, |piece| {
+            pieces += &section(MEDIA, piece)?;
+            Ok(())
+        })?;
+        add(MEDIA, Ok(pieces))?;
     }
     for unknown in &contents.unknown {
         add(unknown["section"].as_str().unwrap_or_default(), record::encode(unknown))?;
@@ -118,15 +133,31 @@ fn section<T: Serialize>(name: &str, data: T) -> Result<String> {
 /// # Errors
 /// It cannot be read, nothing in it is a session's, or it is of a newer version.
 pub(super) fn read(path: &Path) -> Result<Contents> {
+    decode(&bytes(path)?, path)
+}
+
+/// The bytes of a file of records.
+///
+/// # Errors
+/// It cannot be read, or is absurdly large.
+pub(super) fn bytes(path: &Path) -> Result<Vec<u8>> {
     let bytes = std::fs::metadata(path).map_err(|e| Error::io(path, "open", e))?.len();
     if bytes > MAX_BYTES {
         let (what, remedy) = ("the size of the session in bytes".to_owned(), "expected a session file".to_owned());
         return Err(Error::Limit { what, value: bytes, max: MAX_BYTES, remedy });
     }
-    decode(&std::fs::read(path).map_err(|e| Error::io(path, "read", e))?, path)
+    std::fs::read(path).map_err(|e| Error::io(path, "read", e))
 }
 
-fn decode(bytes: &[u8], path: &Path) -> Result<Contents> {
+/// Where in `bytes` the sections that the header promises end; [`None`] where the header is damaged.
+pub(super) fn end_of_sections(bytes: &[u8]) -> Option<usize> {
+    let mut lines = record::lines(bytes);
+    let header: Header = serde_json::from_str(lines.next()?.text?).ok()?;
+    let last = header.sections.len().checked_sub(1)?;
+    lines.nth(last).map(|line| line.end)
+}
+
+pub(super) fn decode(bytes: &[u8], path: &Path) -> Result<Contents> {
     let mut contents = Contents::default();
     let mut expected: Option<Vec<String>> = None;
     let (mut found, mut damaged) = (Vec::new(), false);
@@ -159,6 +190,7 @@ fn decode(bytes: &[u8], path: &Path) -> Result<Contents> {
     for name in expected.iter().flatten().filter(|name| !found.contains(name)) {
         contents.lost.push(match name.as_str() {
             "tracked" => "the tracked motion is damaged and lost; track again".into(),
+            MEDIA => "the embedded clip is damaged and lost; choose the clip again".into(),
             "clip" => "the reference to the clip is damaged and lost; choose the clip again".into(),
             "rig" => "the strokes are damaged and lost".into(),
             name => format!("the section `{name}` is damaged and lost"),
@@ -191,6 +223,10 @@ impl Contents {
             "settings" => {
                 inputs.settings = data(text, path, "settings")?;
                 inputs.settings.check()
+            }
+            MEDIA => {
+                self.media.push(data(text, path, MEDIA)?);
+                Ok(())
             }
             "tracked" => {
                 let read: Tracked = data(text, path, "tracked")?;

@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
 use super::Session;
-use super::document::Document;
 use super::durable::{beside, replace};
+use super::embedded;
 use super::history::History;
 use super::journal::{self, Entry, Journal};
 use super::session_file::{self, Contents};
@@ -126,12 +126,19 @@ impl Session {
             Access::Edit => Journal::lock(&path).map(|(journal, bytes)| (Some(journal), bytes))?,
             Access::ReadOnly => (None, journal::bytes_of(&path)?),
         };
-        let Contents { document, id, saved, scratch, unknown, lost } = session_file::read(&path)?;
+        let Contents { mut document, id, saved, scratch, unknown, mut lost, media, .. } = session_file::read(&path)?;
+        let mut unpacked = None;
+        if !media.is_empty() {
+            let (media, mut damaged) = embedded::unpack(&media, &path, &mut document.inputs)?;
+            unpacked = Some(media);
+            lost.append(&mut damaged);
+        }
         let damaged = !lost.is_empty();
         let history = History { state: saved, ..History::default() };
         let was_saved = (!damaged).then_some(saved);
         let mut session =
             Self { document, history, number: saved, saved: was_saved, unknown, warnings: lost, ..Self::default() };
+        (session.embeds, session.unpacked) = (unpacked.is_some(), unpacked);
 
         let mut read = journal::read(&bytes, &path, id.as_deref().unwrap_or_default(), saved)?;
         session.warnings.append(&mut read.lost);
@@ -156,7 +163,7 @@ impl Session {
         let mut kept = Kept { path, journal, id, scratch, damaged };
         if headless {
             // No journal could ever be matched to this file, and the next crash would lose what is edited now.
-            write(&mut kept, &session.document, saved, &session.unknown)?;
+            write(&mut kept, &session, saved)?;
         }
         session.store = Store::File(Box::new(kept));
         Ok(session)
@@ -192,11 +199,13 @@ impl Session {
     pub fn save(&mut self) -> Result<()> {
         self.check_no_gesture()?;
         self.check_editable()?;
-        let number = self.number;
-        let Store::File(kept) = &mut self.store else {
-            return Err(Error::invalid("session", "has no file yet", "save it under a name"));
+        let mut store = std::mem::take(&mut self.store);
+        let written = match &mut store {
+            Store::File(kept) => write(kept, self, self.number),
+            _ => Err(Error::invalid("session", "has no file yet", "save it under a name")),
         };
-        write(kept, &self.document, number, &self.unknown)?;
+        self.store = store;
+        written?;
         self.saved = Some(self.history.state);
         Ok(())
     }
@@ -238,21 +247,22 @@ impl Session {
         }
         let (journal, _) = Journal::lock(&path)?;
         let mut kept = Kept { path, journal, id: new_id(), scratch, damaged: false };
-        write(&mut kept, &self.document, self.number, &self.unknown)?;
+        write(&mut kept, self, self.number)?;
         self.saved = Some(self.history.state);
         Ok(std::mem::replace(&mut self.store, Store::File(Box::new(kept))))
     }
 }
 
 /// Writes the file, then empties the journal: between the two a crash leaves gestures in both, told by their numbers.
-fn write(kept: &mut Kept, document: &Document, saved: u64, unknown: &[serde_json::Value]) -> Result<()> {
+fn write(kept: &mut Kept, session: &Session, saved: u64) -> Result<()> {
     let contents = Contents {
-        document: document.clone(),
+        document: session.document.clone(),
         id: Some(kept.id.clone()),
         saved,
         scratch: kept.scratch,
-        unknown: unknown.to_vec(),
-        lost: Vec::new(),
+        unknown: session.unknown.clone(),
+        embeds: session.embeds,
+        ..Contents::default()
     };
     let bytes = session_file::encode(&contents, &kept.path)?;
     if kept.damaged {

@@ -1,7 +1,10 @@
 //! Trackers: from what the user marked on a few frames to a [`Motion`] over all of them.
 
+mod earlier;
 pub mod flow;
 pub mod limb;
+
+pub use earlier::{Earlier, outdated_frames};
 
 use crate::clip::Clip;
 use crate::error::Result;
@@ -14,4 +17,11 @@ pub trait Tracker: Send + Sync {
     /// Tracks every limb of `rig` over `clip`. The motion has one track a limb, in the rig's order, with the same
     /// number of points in every frame, from the stroke's start to its end; key frames keep the drawn strokes.
     fn track(&self, clip: &Clip, rig: &Rig, stage: Stage<'_>) -> Result<Motion>;
+
+    /// Tracks again what an edit put out of date, and keeps the rest of `earlier` as it is. A tracker that solves the
+    /// clip as a whole tracks all of it, which is what this does unless a tracker knows better.
+    fn retrack(&self, clip: &Clip, rig: &Rig, earlier: Earlier<'_>, stage: Stage<'_>) -> Result<Motion> {
+        let _ = earlier;
+        self.track(clip, rig, stage)
+    }
 }

@@ -55,6 +55,7 @@ pub(crate) fn context_desc(threads: u32) -> mry_context_desc {
         log_user: ptr::null_mut(),
         limits: ptr::null(),
         executor: ptr::null(),
+        allocator: ptr::null(),
     }
 }
 

@@ -97,6 +97,6 @@ impl Frames for WebPFrames {
             return Ok(Picture::from_rgba(&self.buffer, width, height));
         }
         let rgb = image::RgbImage::from_raw(width, height, self.buffer.clone()).unwrap_or_default();
-        Ok(Picture { rgb, alpha: None })
+        Ok(Picture::new(rgb, None))
     }
 }

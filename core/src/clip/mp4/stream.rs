@@ -246,7 +246,13 @@ fn take(movie: &Movie, inside: &mut BTreeSet<u32>, ready: &mut VecDeque<(usize, 
         {
             plane.chunks(stride.max(1)).take(h).for_each(|row| data.extend_from_slice(&row[..w.min(row.len())]));
         }
-        Decoded::Planes(Planes { width, height, data, color: movie.color, orientation: movie.track.orientation })
+        Decoded::Planes(Planes {
+            width,
+            height,
+            data: data.into(),
+            color: movie.color,
+            orientation: movie.track.orientation,
+        })
     } else {
         Decoded::Damaged(Damage { why: "it changes the size of the picture".to_owned(), first: place as usize })
     };

@@ -1,8 +1,11 @@
 //! The session as its user knows it: nothing that was done is lost, and what is damaged says so.
 
 mod editing;
+mod embedded;
 mod files;
+mod recording;
 mod recovery;
+mod retracking;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;

@@ -15,7 +15,6 @@ mod tube;
 #[cfg(test)]
 mod tests;
 
-use image::RgbImage;
 use rayon::prelude::*;
 
 pub use params::{CreatureParams, CrossSection, LegSpread};
@@ -23,7 +22,7 @@ pub use params::{CreatureParams, CrossSection, LegSpread};
 use self::axis::Axis;
 use self::limb::LimbShape;
 use super::{RiggedModel, SkinnedPart};
-use crate::clip::Clip;
+use crate::clip::{Clip, FrameImage};
 use crate::error::{Error, Result};
 use crate::job::Stage;
 use crate::motion::Motion;
@@ -273,7 +272,7 @@ fn build_parts(
     limbs: &[LimbShape],
     bones: &bones::Bones,
     rest: usize,
-    image: &RgbImage,
+    image: &FrameImage,
     masks: &[Mask],
     params: &CreatureParams,
     stage: Stage<'_>,

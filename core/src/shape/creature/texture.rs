@@ -10,6 +10,7 @@ use image::{Rgb, RgbImage};
 
 use super::limb::LimbShape;
 use super::tube::{covered, section};
+use crate::clip::FrameImage;
 use crate::geometry::TriMesh;
 use crate::raster::{Grid, Mask, Rasterizer, Surface, Wrap, clip_view, push_pull};
 
@@ -27,7 +28,7 @@ pub(super) struct Unrolled {
 
 /// What the camera sees in the frame that gives the colours.
 pub(super) struct View<'a> {
-    pub image: &'a RgbImage,
+    pub image: &'a FrameImage,
     pub mask: &'a Mask,
     /// Which part is in front at every pixel, and its depth.
     pub front: &'a Rasterizer,
@@ -134,7 +135,7 @@ pub(super) fn fill(unrolled: &mut Unrolled, default: [f32; 3]) {
 }
 
 /// The mean colour of the image inside the mask; middle grey when the mask is empty.
-pub(super) fn mean_color(image: &RgbImage, mask: &Mask) -> [f32; 3] {
+pub(super) fn mean_color(image: &FrameImage, mask: &Mask) -> [f32; 3] {
     let (mut sum, mut count) = ([0u64; 3], 0u64);
     for (x, y, p) in image.enumerate_pixels() {
         if mask.at(x as isize, y as isize) {
@@ -147,7 +148,7 @@ pub(super) fn mean_color(image: &RgbImage, mask: &Mask) -> [f32; 3] {
     if count == 0 { [128.0; 3] } else { sum.map(|s| (s as f64 / count as f64) as f32) }
 }
 
-fn bilinear(image: &RgbImage, at: Vec2) -> [f32; 3] {
+fn bilinear(image: &FrameImage, at: Vec2) -> [f32; 3] {
     let (width, height) = image.dimensions();
     let x = (at.x - 0.5).clamp(0.0, width as f32 - 1.0);
     let y = (at.y - 0.5).clamp(0.0, height as f32 - 1.0);

@@ -5,6 +5,7 @@ use glam::Vec2;
 use super::carry::carry;
 use super::limb_keys::LimbKeys;
 use super::space_time::Task;
+use crate::geometry::polyline;
 
 /// A pose and how far each vertex is trusted, where a chain has reached a frame.
 pub(super) type Reached = Option<(Vec<Vec2>, Vec<f32>)>;
@@ -20,6 +21,12 @@ pub(super) fn chain(task: &Task<'_>, forward: bool) -> (Vec<Reached>, Vec<f32>) 
     for f in order {
         if let Some(key) = keys.frames.iter().position(|&k| k == f) {
             out[f] = Some((keys.poses[key].clone(), vec![1.0; keys.vertices()]));
+        } else if let Some(kept) = task.kept.at(f) {
+            let drawn: f32 = keys.lengths(f).iter().sum();
+            if task.carries {
+                stretch[f] = (polyline::length(&kept.points) / drawn.max(1e-6)).clamp(BODY_STRETCH.0, BODY_STRETCH.1);
+            }
+            out[f] = Some((kept.points.clone(), vec![1.0; keys.vertices()]));
         } else if let Some(p) = previous
             && let Some((pose, trust)) = &out[p]
             && let Some((flow, back)) = footage.flows(p, f)

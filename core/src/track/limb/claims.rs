@@ -33,8 +33,8 @@ impl Claims {
 
     /// An empty mask of one frame's size.
     pub(super) fn blank(footage: &Footage) -> Mask {
-        let cells = |n: usize| (n as f32 / CLAIM_CELL).ceil() as usize;
-        footage.lab.first().map_or_else(|| Mask::new(1, 1), |i| Mask::new(cells(i.width()), cells(i.height())))
+        let cells = |n: u32| (n as f32 / CLAIM_CELL).ceil() as usize;
+        Mask::new(cells(footage.size.0), cells(footage.size.1))
     }
 }
 

@@ -16,8 +16,6 @@ pub(super) struct Evidence {
     pub(super) misfit: f32,
     /// How far flow agreed on the whole way from the key frames, in 0..=1.
     pub(super) trust: f32,
-    /// Whether something else is in front.
-    pub(super) hidden: bool,
     /// Place along the limb, from the end it hangs by, in 0..=1.
     pub(super) along: f32,
 }
@@ -65,7 +63,7 @@ mod tests {
 
     #[test]
     fn doubt_grows_with_spread_and_misfit_and_falls_with_trust() {
-        let sure = Evidence { spread: 0.002, misfit: 0.1, trust: 0.9, hidden: false, along: 0.5 };
+        let sure = Evidence { spread: 0.002, misfit: 0.1, trust: 0.9, along: 0.5 };
         assert!(sure.confidence() > 0.9, "{}", sure.confidence());
         for worse in
             [Evidence { spread: 0.3, ..sure }, Evidence { misfit: 0.5, ..sure }, Evidence { trust: 0.1, ..sure }]

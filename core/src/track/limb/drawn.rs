@@ -34,7 +34,7 @@ pub(super) fn learn_foreground(rig: &Rig, footage: &Footage) -> Foreground {
 
 /// The key frames in Lab at the working size.
 pub(super) fn key_planes(clip: &Clip, rig: &Rig, footage: &Footage) -> Result<Vec<(usize, Planes)>> {
-    let size = (footage.lab[0].width() as u32, footage.lab[0].height() as u32);
+    let size = footage.size;
     let frames = rig.keyframes.iter().filter(|k| !k.strokes.is_empty());
     frames.map(|k| Ok((k.frame, Planes::lab(&pyramid::shrunk(&clip.frame(k.frame)?.rgb, size.0, size.1))))).collect()
 }

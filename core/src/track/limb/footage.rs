@@ -1,4 +1,5 @@
-//! The clip as the tracker sees it: reduced pictures in Lab and the flow between neighbours, for all frames at once.
+//! The clip as the tracker sees it: reduced pictures in Lab and the flow between neighbours, for all frames that are
+//! looked at, at once.
 
 use glam::{Affine2, Vec2};
 use rayon::prelude::*;
@@ -55,26 +56,47 @@ impl LabImage {
     pub(super) fn height(&self) -> usize {
         self.pixels.height()
     }
+
+    /// The picture of a frame that is not looked at: all of it is outside.
+    fn blank() -> Self {
+        Self { pixels: Grid::from_vec(0, 0, Vec::new()) }
+    }
 }
 
-/// Working pictures and flows of all frames of a clip.
+/// What of a clip is looked at, frame by frame.
+#[derive(Clone, Debug)]
+pub(super) struct LookedAt {
+    /// The frames whose pictures are.
+    pub(super) pictures: Vec<bool>,
+    /// Those whose motion is; it is known between two neighbours of them.
+    pub(super) motion: Vec<bool>,
+}
+
+impl LookedAt {
+    /// All of a clip of so many frames.
+    pub(super) fn all(frames: usize) -> Self {
+        Self { pictures: vec![true; frames], motion: vec![true; frames] }
+    }
+}
+
+/// Working pictures and flows of a clip.
 #[derive(Debug)]
 pub(super) struct Footage {
     /// Working pixels for one clip pixel.
     pub(super) scale: f32,
-    /// Every frame.
+    /// Columns and rows of the working pictures.
+    pub(super) size: (u32, u32),
+    /// Every frame; blank where it is not looked at.
     pub(super) lab: Vec<LabImage>,
-    /// From every frame but the last to the next.
-    pub(super) forward: Vec<FlowField>,
-    /// From every frame but the first to the one before; entry `t` starts at frame `t + 1`.
-    pub(super) backward: Vec<FlowField>,
-    /// What the camera did from every frame but the last to the next.
+    /// From every frame but the last to the next, and back.
+    flows: Vec<Option<(FlowField, FlowField)>>,
+    /// What the camera did from every frame but the last to the next; nothing where nobody looked.
     camera: Vec<Affine2>,
 }
 
 impl Footage {
-    /// Reads the whole clip at a long side of `working_side` pixels, less where the clip is long.
-    pub(super) fn read(clip: &Clip, working_side: u32, stage: Stage<'_>) -> Result<Self> {
+    /// Reads the clip at a long side of `working_side` pixels, less where the clip is long.
+    pub(super) fn read(clip: &Clip, working_side: u32, looked_at: &LookedAt, stage: Stage<'_>) -> Result<Self> {
         let info = clip.info();
         let long = f64::from(info.width.max(info.height));
         let area = f64::from(info.width) * f64::from(info.height);
@@ -84,32 +106,40 @@ impl Footage {
         let scale = width as f32 / info.width as f32;
 
         let (reading, flowing) = (stage.part(0.0, 0.35), stage.part(0.35, 1.0));
-        let frames: Vec<(LabImage, Pyramid)> = (0..info.frames)
+        let frames: Vec<(LabImage, Option<Pyramid>)> = (0..info.frames)
             .into_par_iter()
             .map(|f| {
                 reading.at(f as f64 / info.frames as f64)?;
+                if !looked_at.pictures[f] {
+                    return Ok((LabImage::blank(), None));
+                }
                 let picture = clip.frame(f)?;
                 let planes = Planes::lab(&pyramid::shrunk(&picture.rgb, width, height));
-                let lightness = planes.channel(0).data().iter().map(|l| l * 255.0).collect();
-                let brightness = Grid::from_vec(width as usize, height as usize, lightness);
-                Ok((LabImage::new(&planes), Pyramid::new(&brightness)))
+                let pyramid = looked_at.motion[f].then(|| {
+                    let lightness = planes.channel(0).data().iter().map(|l| l * 255.0).collect();
+                    Pyramid::new(&Grid::from_vec(width as usize, height as usize, lightness))
+                });
+                Ok((LabImage::new(&planes), pyramid))
             })
             .collect::<Result<_>>()?;
         let pairs = frames.len().saturating_sub(1);
-        let flows: Vec<(FlowField, FlowField)> = (0..pairs)
+        let flows: Vec<Option<(FlowField, FlowField)>> = (0..pairs)
             .into_par_iter()
             .map(|t| {
                 flowing.at(t as f64 / pairs as f64)?;
-                let (a, b) = (&frames[t].1, &frames[t + 1].1);
+                let Some((a, b)) = frames[t].1.as_ref().zip(frames[t + 1].1.as_ref()) else { return Ok(None) };
                 let forward = FlowField::between(a, b);
                 flowing.at(t as f64 / pairs as f64)?;
-                Ok((forward, FlowField::between(b, a)))
+                Ok(Some((forward, FlowField::between(b, a))))
             })
             .collect::<Result<_>>()?;
         let lab = frames.into_iter().map(|(lab, _)| lab).collect();
-        let camera = flows.par_iter().map(|(forward, backward)| camera_motion(forward, backward)).collect();
-        let (forward, backward) = flows.into_iter().unzip();
-        Ok(Self { scale, lab, forward, backward, camera })
+        let camera = flows.par_iter().map(|flows| match flows {
+            Some((forward, backward)) => camera_motion(forward, backward),
+            None => Affine2::IDENTITY,
+        });
+        let camera = camera.collect();
+        Ok(Self { scale, size: (width, height), lab, flows, camera })
     }
 
     /// Where the place of the ground that is at `place` on frame `at` lies in every frame.
@@ -129,12 +159,14 @@ impl Footage {
         self.lab.len()
     }
 
-    /// The flow from frame `from` to its neighbour `to`, and the flow back; nothing when they are no neighbours.
+    /// The flow from frame `from` to its neighbour `to`, and the flow back; nothing when they are no neighbours, or are
+    /// not looked at.
     pub(super) fn flows(&self, from: usize, to: usize) -> Option<(&FlowField, &FlowField)> {
+        let (forward, backward) = self.flows.get(from.min(to))?.as_ref()?;
         if to == from + 1 {
-            Some((self.forward.get(from)?, self.backward.get(from)?))
+            Some((forward, backward))
         } else if from == to + 1 {
-            Some((self.backward.get(to)?, self.forward.get(to)?))
+            Some((backward, forward))
         } else {
             None
         }

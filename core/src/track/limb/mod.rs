@@ -12,6 +12,7 @@ mod footage;
 mod foreground;
 mod gait;
 mod inertia;
+mod kept;
 mod limb_keys;
 mod limb_width;
 mod median;
@@ -36,12 +37,13 @@ pub use params::{LimbParams, Method, PaperParams, SpaceTimeParams, TemplateParam
 pub use templates::{Detection, KeyTemplates, MatchImage};
 pub use tree_dp::{TreeOptimum, tree_optimum};
 
-use super::Tracker;
+use super::{Earlier, Tracker};
 use crate::clip::Clip;
 use crate::error::Result;
 use crate::job::Stage;
 use crate::motion::{Motion, Track, TrackFrame, TrackKind};
 use crate::rig::{Rig, Skeleton};
+use kept::Kept;
 use space_time::Trajectory;
 
 /// Tracks limbs between key frames.
@@ -53,19 +55,31 @@ pub struct LimbTracker {
 
 impl Tracker for LimbTracker {
     fn track(&self, clip: &Clip, rig: &Rig, stage: Stage<'_>) -> Result<Motion> {
+        self.follow(clip, rig, None, stage)
+    }
+
+    /// The paper's method blends passes over the whole clip, so that it tracks all of it.
+    fn retrack(&self, clip: &Clip, rig: &Rig, earlier: Earlier<'_>, stage: Stage<'_>) -> Result<Motion> {
+        self.follow(clip, rig, Some(earlier).filter(|_| self.params.method == Method::SpaceTime), stage)
+    }
+}
+
+impl LimbTracker {
+    fn follow(&self, clip: &Clip, rig: &Rig, earlier: Option<Earlier<'_>>, stage: Stage<'_>) -> Result<Motion> {
         let info = clip.info();
         rig.validate(Some(((info.width, info.height), info.frames)))?;
         stage.name("tracking")?;
         let spacing = self.params.spacing * LimbParams::scale(info.width as usize, info.height as usize);
         let skeleton = Skeleton::new(rig, spacing);
+        let kept = earlier.map(|earlier| Kept::of(&earlier, rig, &skeleton, info.frames));
         let trajectories = match self.params.method {
-            Method::SpaceTime => space_time::solve(clip, rig, &skeleton, &self.params, stage)?,
+            Method::SpaceTime => space_time::solve(clip, rig, &skeleton, kept.as_ref(), &self.params, stage)?,
             Method::Paper => paper::solve(clip, rig, &skeleton, &self.params, stage)?,
         };
         let tracks = trajectories.into_iter().enumerate().map(|(l, trajectory)| Track {
             name: rig.limbs[l].label.clone(),
             kind: TrackKind::Stroke,
-            frames: frames_of(rig, &skeleton, l, trajectory),
+            frames: frames_of(rig, &skeleton, l, trajectory, kept.as_ref()),
         });
         let tracks = tracks.collect();
         let bones = skeleton
@@ -77,14 +91,23 @@ impl Tracker for LimbTracker {
     }
 }
 
-/// The trajectory as track frames; key frames get exactly what was drawn.
-fn frames_of(rig: &Rig, skeleton: &Skeleton, limb: usize, trajectory: Trajectory) -> Vec<TrackFrame> {
+/// The trajectory as track frames; key frames get exactly what was drawn, and kept frames what they had.
+fn frames_of(
+    rig: &Rig,
+    skeleton: &Skeleton,
+    limb: usize,
+    trajectory: Trajectory,
+    kept: Option<&Kept>,
+) -> Vec<TrackFrame> {
     let Trajectory { poses, visible, confidence } = trajectory;
     let tracked = poses.into_iter().zip(visible).zip(confidence).enumerate();
     tracked
-        .map(|(f, ((points, visible), confidence))| match skeleton.drawn(rig, limb, f) {
-            Some(drawn) => TrackFrame::certain(drawn),
-            None => TrackFrame { points, visible, confidence },
+        .map(|(f, ((points, visible), confidence))| {
+            if let Some(drawn) = skeleton.drawn(rig, limb, f) {
+                return TrackFrame::certain(drawn);
+            }
+            let kept = kept.and_then(|kept| kept.limb(limb)[f].clone());
+            kept.unwrap_or(TrackFrame { points, visible, confidence })
         })
         .collect()
 }

@@ -14,10 +14,11 @@ use super::claims::{Claims, cover};
 use super::confidence::{Evidence, spread};
 use super::crossings;
 use super::drawn::{key_planes, learn_foreground, radii, roots};
-use super::footage::Footage;
+use super::footage::{Footage, LookedAt};
 use super::foreground::Foreground;
 use super::gait::Gait;
 use super::inertia::best_path;
+use super::kept::{Kept, KeptLimb};
 use super::limb_keys::LimbKeys;
 use super::params::{LimbParams, SpaceTimeParams};
 use super::pose_path::{Candidate, Chain, Group, costs_through};
@@ -60,6 +61,8 @@ pub(super) struct Task<'a> {
     claims: Option<&'a Claims>,
     /// Whether others hang from it.
     pub(super) carries: bool,
+    /// What stands of an earlier run.
+    pub(super) kept: KeptLimb,
     /// Its length in every frame, as a multiple of what its keys say.
     stretch: Vec<f32>,
 }
@@ -80,15 +83,22 @@ impl Task<'_> {
     }
 }
 
-/// Tracks every limb; one trajectory a limb, in the rig's order.
+/// Tracks every limb, but for the frames that are kept; one trajectory a limb, in the rig's order.
 pub(super) fn solve(
     clip: &Clip,
     rig: &Rig,
     skeleton: &Skeleton,
+    kept: Option<&Kept>,
     params: &LimbParams,
     stage: Stage<'_>,
 ) -> Result<Vec<Trajectory>> {
-    let footage = Footage::read(clip, params.working_side, stage.part(0.0, 0.6))?;
+    let mut looked_at = LookedAt::all(clip.info().frames);
+    if let Some(kept) = kept {
+        looked_at.motion = kept.looked_at(clip.info().frames);
+        looked_at.pictures.clone_from(&looked_at.motion);
+        rig.keyframes.iter().filter(|k| !k.strokes.is_empty()).for_each(|k| looked_at.pictures[k.frame] = true);
+    }
+    let footage = Footage::read(clip, params.working_side, &looked_at, stage.part(0.0, 0.6))?;
     let turns = solving_order(rig, skeleton);
     let foreground = learn_foreground(rig, &footage);
     let key_planes = key_planes(clip, rig, &footage)?;
@@ -102,6 +112,7 @@ pub(super) fn solve(
             let keys = LimbKeys::new(rig, skeleton, turn, footage.scale);
             let roots = roots(rig, skeleton, turn, &turns, &keys, &solved, &footage);
             let carries = turns.iter().any(|t| t.from.is_some_and(|(p, _)| p == turn.limb));
+            let kept = kept.map(|k| KeptLimb::new(k.limb(turn.limb), turn.reversed, footage.scale));
             let far = rig.limbs[turn.limb].side == Some(Side::Far);
             let radii = radii(&keys, &key_planes);
             // What is in front of it where it was drawn: solved limbs and, as drawn, the near one of its pair.
@@ -148,6 +159,7 @@ pub(super) fn solve(
                 rest,
                 claims,
                 carries,
+                kept: kept.unwrap_or_default(),
                 stretch,
             });
         }
@@ -181,6 +193,9 @@ const FIRST: f64 = 0.4;
 
 /// Solves one limb, or a pair together. `ordered` says that the first of a pair is in front of the second.
 fn solve_group(tasks: &mut [Task<'_>], claims: &Claims, ordered: bool, stage: Stage<'_>) -> Result<Vec<Solved>> {
+    if tasks.iter().all(|task| task.kept.is_whole()) {
+        return Ok(tasks.iter().map(standing).collect());
+    }
     let frames = tasks[0].footage.frames();
     let mut lists: Vec<Vec<Vec<Candidate>>> = Vec::with_capacity(tasks.len());
     let mut trusts: Vec<Vec<Vec<f32>>> = Vec::with_capacity(tasks.len());
@@ -250,12 +265,17 @@ fn solve_group(tasks: &mut [Task<'_>], claims: &Claims, ordered: bool, stage: St
         let front = if ordered && i > 0 { tasks.first().zip(solved.first()) } else { None };
         let alone = Group { first: Chain { lists: &lists[i], rest: &task.rest }, second: None, together: &[] };
         let costs = costs_through(&alone, tasks[0].params, finishing)?.through;
-        let evidence = evidence(task, &poses, &lists[i], &costs, &trusts[i], front, finishing)?;
-        let visible = evidence.iter().map(|e| e.iter().map(|e| !e.hidden).collect()).collect();
-        let confidence = evidence.iter().map(|e| e.iter().map(Evidence::confidence).collect()).collect();
+        let (visible, confidence) = trust(task, &poses, &lists[i], &costs, &trusts[i], front, finishing)?;
         solved.push(Solved { poses, visible, confidence });
     }
     Ok(solved)
+}
+
+/// A limb that is kept in every frame.
+fn standing(task: &Task<'_>) -> Solved {
+    let kept = (0..task.footage.frames()).filter_map(|f| task.kept.at(f).cloned());
+    let (poses, (visible, confidence)) = kept.map(|k| (k.points, (k.visible, k.confidence))).unzip();
+    Solved { poses, visible, confidence }
 }
 
 /// The poses on the paths, of every limb in every frame.
@@ -276,6 +296,7 @@ fn untangle(tasks: &[Task<'_>], chosen: &mut [Vec<Vec<Vec2>>]) {
     let ([a, b], [first, second]) = (tasks, &mut *chosen) else { return };
     let mut drawn = vec![false; first.len()];
     a.keys.frames.iter().chain(&b.keys.frames).for_each(|&f| drawn[f] = true);
+    drawn.iter_mut().enumerate().for_each(|(f, drawn)| *drawn |= a.kept.at(f).or(b.kept.at(f)).is_some());
     let exchange = crossings::exchanged([first.as_slice(), second.as_slice()], &drawn);
     let own = |task: &Task<'_>, f: usize, old: &[Vec2], other: &[Vec2]| {
         let pose = crossings::as_other(other, old[0], old.len());
@@ -286,8 +307,8 @@ fn untangle(tasks: &[Task<'_>], chosen: &mut [Vec<Vec<Vec2>>]) {
     }
 }
 
-/// What is known of every vertex in every frame.
-fn evidence(
+/// For every frame whether each vertex is seen, and how far it is to be trusted.
+fn trust(
     task: &Task<'_>,
     poses: &[Vec<Vec2>],
     lists: &[Vec<Candidate>],
@@ -295,11 +316,14 @@ fn evidence(
     trusts: &[Vec<f32>],
     front: Option<(&Task<'_>, &Solved)>,
     stage: Stage<'_>,
-) -> Result<Vec<Vec<Evidence>>> {
+) -> Result<(Vec<Vec<bool>>, Vec<Vec<f32>>)> {
     (0..poses.len())
         .into_par_iter()
         .map(|f| {
             stage.at(f as f64 / poses.len() as f64)?;
+            if let Some(kept) = task.kept.at(f) {
+                return Ok((kept.visible.clone(), kept.confidence.clone()));
+            }
             let pose = &poses[f];
             let view = task.view(f);
             let mut mask = Claims::blank(task.footage);
@@ -310,19 +334,19 @@ fn evidence(
             let spread = spread(pose, &lists[f], &costs[f]);
             let keys = task.strip.keys_around(f);
             let misfit = |e: usize| task.strip.edge_cost(&view, keys, e, pose[e], pose[e + 1]);
-            Ok((0..pose.len())
-                .map(|v| {
-                    let cell = pose[v] / CLAIM_CELL;
-                    let outside = task.footage.lab[f].at(pose[v]).is_none();
-                    Evidence {
-                        spread: spread[v] / length,
-                        misfit: 0.5 * (misfit(v.saturating_sub(1)) + misfit(v.min(pose.len() - 2))),
-                        trust: trusts[f][v],
-                        hidden: outside || view.is_claimed(pose[v]) || mask.at(cell.x as isize, cell.y as isize),
-                        along: v as f32 / (pose.len() - 1) as f32,
-                    }
-                })
-                .collect())
+            let vertices = (0..pose.len()).map(|v| {
+                let cell = pose[v] / CLAIM_CELL;
+                let outside = task.footage.lab[f].at(pose[v]).is_none();
+                let hidden = outside || view.is_claimed(pose[v]) || mask.at(cell.x as isize, cell.y as isize);
+                let evidence = Evidence {
+                    spread: spread[v] / length,
+                    misfit: 0.5 * (misfit(v.saturating_sub(1)) + misfit(v.min(pose.len() - 2))),
+                    trust: trusts[f][v],
+                    along: v as f32 / (pose.len() - 1) as f32,
+                };
+                (!hidden, evidence.confidence())
+            });
+            Ok(vertices.unzip())
         })
         .collect()
 }
@@ -340,6 +364,9 @@ fn best(
             .into_par_iter()
             .map(|f| {
                 stage.at(0.5 * f as f64 / first.len() as f64)?;
+                if tasks.iter().all(|task| task.kept.at(f).is_some()) {
+                    return Ok(vec![0.0]);
+                }
                 Ok(together([a, b], claims, f, [&first[f], &second[f]], ordered))
             })
             .collect::<Result<_>>()?,
@@ -382,11 +409,15 @@ fn together(tasks: [&Task<'_>; 2], claims: &Claims, f: usize, lists: [&[Candidat
     out
 }
 
-/// What a frame starts with: drawn poses alone on key frames; else the carried ones and what a search finds.
+/// What a frame starts with: the drawn or kept pose alone where there is one; else the carried ones and what a search
+/// finds.
 fn first_poses(task: &Task<'_>, f: usize, ahead: &Reached, behind: &Reached) -> Vec<Vec<Vec2>> {
     let keys = &task.keys;
     if let Some(key) = keys.frames.iter().position(|&k| k == f) {
         return vec![keys.poses[key].clone()];
+    }
+    if let Some(kept) = task.kept.at(f) {
+        return vec![kept.points.clone()];
     }
     let mut poses = vec![mixed_chains(keys, f, ahead, behind).0];
     poses.extend([ahead, behind].into_iter().flatten().map(|r| r.0.clone()));
@@ -415,7 +446,7 @@ fn first_poses(task: &Task<'_>, f: usize, ahead: &Reached, behind: &Reached) -> 
 /// Poses worth trying around a path: its neighbours in time carried here, between them, `hints` from elsewhere, and a
 /// better fit near each.
 fn near_poses(task: &Task<'_>, f: usize, path: &[Vec<Vec2>], hints: Vec<Vec<Vec2>>) -> Vec<Vec<Vec2>> {
-    if task.keys.frames.contains(&f) {
+    if task.keys.frames.contains(&f) || task.kept.at(f).is_some() {
         return Vec::new();
     }
     let mut poses = Vec::new();
@@ -437,6 +468,9 @@ fn near_poses(task: &Task<'_>, f: usize, path: &[Vec<Vec2>], hints: Vec<Vec<Vec2
 }
 
 fn judged(task: &Task<'_>, f: usize, pose: Vec<Vec2>) -> Candidate {
+    if task.kept.surrounds(f) {
+        return Candidate { pose, cost: 0.0, next: None, last: None };
+    }
     let cost = task.strip.cost(&task.view(f), f, &pose);
     let moved = |to: usize| {
         let (flow, back) = task.footage.flows(f, to)?;

@@ -1,0 +1,148 @@
+//! Motions made and corrected by hand, and tracked again in part.
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+
+mod common;
+
+use std::ptr;
+
+use common::*;
+use marey_ffi::mry_status_code::*;
+use marey_ffi::*;
+
+const NO_ERROR: *mut mry_error = ptr::null_mut();
+
+fn frame(f: &Fixture, motion: mry_motion, track: u32, frame: u64) -> (Vec<mry_point>, Vec<u8>, Vec<f32>) {
+    let mut count = 0;
+    let (mut points, mut visible, mut confidence) = (vec![mry_point::default(); 64], vec![0; 64], vec![0.0; 64]);
+    let lists = (points.as_mut_ptr(), visible.as_mut_ptr(), confidence.as_mut_ptr());
+    let read = unsafe {
+        mry_motion_read_frame(f.context, motion, track, frame, lists.0, lists.1, lists.2, 64, &mut count, NO_ERROR)
+    };
+    assert_eq!(read, OK);
+    points.truncate(count);
+    visible.truncate(count);
+    confidence.truncate(count);
+    (points, visible, confidence)
+}
+
+#[test]
+fn a_motion_is_made_by_hand() {
+    let f = fixture();
+    let (c, mut motion, mut err) = (f.context, mry_motion::default(), error());
+    let (mut body, mut nose) = (9, 9);
+    let place = [mry_point { x: 4.0, y: 5.5 }];
+    unsafe {
+        assert_eq!(mry_motion_create(c, 64, 48, 3, 24.0, &mut motion, &mut err), OK);
+        assert_eq!(mry_motion_add_track(c, motion, str("body"), MRY_TRACK_STROKE, 2, &mut body, &mut err), OK);
+        assert_eq!(mry_motion_add_track(c, motion, str("nose"), MRY_TRACK_POINT, 1, &mut nose, &mut err), OK);
+        assert_eq!((body, nose), (0, 1));
+        let set = |p: &[mry_point], v: *const u8, s: *const f32, count| {
+            mry_motion_set_frame(c, motion, nose, 2, p.as_ptr(), v, s, count, NO_ERROR)
+        };
+        assert_eq!(set(&place, &0, &0.25, 1), OK);
+        assert_eq!(frame(&f, motion, nose, 2), (place.to_vec(), vec![0], vec![0.25]));
+        assert_eq!(set(&place, ptr::null(), ptr::null(), 1), OK);
+        assert_eq!(frame(&f, motion, nose, 2), (place.to_vec(), vec![1], vec![1.0]));
+        assert_eq!(mry_motion_add_bone(c, motion, body, nose, &mut err), OK);
+        assert_eq!(mry_motion_add_bone(c, motion, nose, body, &mut err), code(MRY_E_INPUT), "a circle");
+
+        let nan = [mry_point { x: f32::NAN, y: 0.0 }];
+        assert_eq!(set(&nan, ptr::null(), ptr::null(), 1), code(MRY_E_NON_FINITE));
+        assert_eq!(set(&place, ptr::null(), &f32::INFINITY, 1), code(MRY_E_INPUT));
+        assert_eq!(set(&place, ptr::null(), ptr::null(), usize::MAX), code(MRY_E_LIMIT));
+        assert_eq!(set(&[place[0]; 2], ptr::null(), ptr::null(), 2), code(MRY_E_INPUT), "the track has one point");
+        assert_eq!(mry_motion_create(c, 64, 48, u64::MAX, 24.0, &mut motion, &mut err), code(MRY_E_LIMIT));
+        assert_eq!(mry_motion_create(c, 64, 48, 3, f64::NAN, &mut motion, &mut err), code(MRY_E_INPUT));
+        let add =
+            |name: &str, kind, points| mry_motion_add_track(c, motion, str(name), kind, points, &mut { 0 }, NO_ERROR);
+        assert_eq!(add("nose", MRY_TRACK_JOINT, 1), code(MRY_E_INPUT));
+        assert_eq!(add("", MRY_TRACK_JOINT, 1), code(MRY_E_ARGUMENT));
+        assert_eq!(add("tail", 7, 1), code(MRY_E_ARGUMENT));
+        assert_eq!(add("tail", MRY_TRACK_JOINT, 0), code(MRY_E_ARGUMENT));
+        assert_eq!(add("tail", MRY_TRACK_JOINT, usize::MAX), code(MRY_E_LIMIT));
+        assert_eq!(mry_motion_remove_bone(c, motion, 1, &mut err), code(MRY_E_INPUT));
+        assert_eq!(mry_motion_remove_track(c, motion, 2, &mut err), code(MRY_E_ARGUMENT));
+
+        let path = f.path("hand.json");
+        assert_eq!(mry_motion_write(c, motion, str(&path), &mut err), OK);
+        let mut read = mry_motion::default();
+        assert_eq!(mry_motion_read(c, str(&path), &mut read, &mut err), OK);
+        assert_eq!(frame(&f, read, nose, 2), frame(&f, motion, nose, 2));
+        assert_eq!(mry_motion_remove_track(c, read, body, &mut err), OK);
+        let mut info = std::mem::zeroed::<mry_motion_info>();
+        mry_motion_info_init(&mut info, size_of::<mry_motion_info>() as u32);
+        assert_eq!(mry_motion_get_info(c, read, &mut info, &mut err), OK);
+        assert_eq!((info.track_count, info.bone_count), (1, 0));
+    }
+}
+
+#[test]
+fn a_correction_of_a_copy_touches_nobody_elses_motion() {
+    let f = fixture();
+    let (c, mut creature, mut err) = (f.context, mry_creature::default(), error());
+    let (mut theirs, mut copy) = (mry_motion::default(), mry_motion::default());
+    unsafe {
+        assert_eq!(mry_run_creature(c, &f.creature_desc(), &mut creature, &mut err), OK);
+        assert_eq!(mry_creature_get_motion(c, creature, &mut theirs, &mut err), OK);
+        assert_eq!(mry_motion_copy(c, theirs, &mut copy, &mut err), OK);
+        let before = frame(&f, theirs, 0, 3);
+        let moved: Vec<mry_point> = before.0.iter().map(|p| mry_point { x: p.x + 9.0, ..*p }).collect();
+        let set = |motion| {
+            mry_motion_set_frame(c, motion, 0, 3, moved.as_ptr(), ptr::null(), ptr::null(), moved.len(), NO_ERROR)
+        };
+        assert_eq!(set(copy), OK);
+        assert_eq!((frame(&f, theirs, 0, 3), frame(&f, copy, 0, 3).0), (before.clone(), moved.clone()));
+        // A motion that was given out is a copy of its own, too.
+        let mut again = mry_motion::default();
+        assert_eq!(set(theirs), OK);
+        assert_eq!(mry_creature_get_motion(c, creature, &mut again, &mut err), OK);
+        assert_eq!(frame(&f, again, 0, 3), before);
+    }
+}
+
+#[test]
+fn a_corrected_stroke_is_tracked_again_between_its_neighbours() {
+    let f = fixture();
+    let (c, mut err) = (f.context, error());
+    let draw = |rig, frame: u64, x: f32| {
+        let points = [mry_point { x, y: 32.0 }, mry_point { x: x + 24.0, y: 32.0 }];
+        let status = unsafe { mry_rig_set_stroke(c, rig, 0, frame, points.as_ptr(), 2, 0, NO_ERROR) };
+        assert_eq!(status, OK);
+    };
+    let (old, new) = (f.rig(), f.rig());
+    for (frame, x) in [(2, 37.0), (4, 41.0)] {
+        draw(old, frame, x);
+        draw(new, frame, x);
+    }
+    draw(new, 4, 44.0);
+    let track = |rig, earlier, earlier_rig| {
+        let mut desc = zeroed_track();
+        (desc.clip, desc.rig, desc.earlier, desc.earlier_rig) = (f.clip(), rig, earlier, earlier_rig);
+        let (mut motion, mut err) = (mry_motion::default(), error());
+        let status = unsafe { mry_run_track(c, &desc, &mut motion, &mut err) };
+        (status, motion)
+    };
+    let (status, before) = track(old, mry_motion::default(), mry_rig::default());
+    assert_eq!(status, OK);
+    let (status, after) = track(new, before, old);
+    assert_eq!(status, OK);
+    let changed: Vec<u64> = (0..FRAMES).filter(|&n| frame(&f, before, 0, n) != frame(&f, after, 0, n)).collect();
+    assert!(changed.contains(&4) && changed.iter().all(|n| *n > 2), "{changed:?}");
+    assert_eq!(frame(&f, after, 0, 4).0[0].x, 44.0);
+    assert_eq!(track(new, before, mry_rig::default()).0, code(MRY_E_STALE), "one without the other");
+
+    // A session does so by itself.
+    unsafe {
+        let session = f.session();
+        assert_eq!(mry_session_set_rig(c, session, old, &mut err), OK);
+        assert_eq!(mry_session_run_track(c, session, &mut err), OK, "{}", text(&err.message));
+        let points = [mry_point { x: 44.0, y: 32.0 }, mry_point { x: 68.0, y: 32.0 }];
+        assert_eq!(mry_session_set_stroke(c, session, 0, 4, points.as_ptr(), 2, 0, &mut err), OK);
+        assert_eq!(mry_session_run_track(c, session, &mut err), OK, "{}", text(&err.message));
+        let mut motion = mry_motion::default();
+        assert_eq!(mry_session_get_motion(c, session, &mut motion, &mut err), OK);
+        for n in 0..FRAMES {
+            assert_eq!(frame(&f, motion, 0, n), frame(&f, after, 0, n), "frame {n}");
+        }
+    }
+}
