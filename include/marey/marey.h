@@ -72,6 +72,7 @@
 #define MRY_ERROR_INIT { (uint32_t)sizeof(mry_error), 0, { 0 }, { 0 } }
 #define MRY_LIMITS_INIT { (uint32_t)sizeof(mry_limits), 0, 0, 0, 0, 0, 0 }
 #define MRY_EXECUTOR_INIT { (uint32_t)sizeof(mry_executor), 0, NULL, NULL }
+#define MRY_ALLOCATOR_INIT { (uint32_t)sizeof(mry_allocator), 0, NULL, NULL, NULL }
 #define MRY_CONTEXT_DESC_INIT { (uint32_t)sizeof(mry_context_desc), MRY_ABI_VERSION, 0, 0, NULL, NULL, NULL, NULL, NULL }
 #define MRY_CLIP_OPTIONS_INIT { (uint32_t)sizeof(mry_clip_options), 0, { NULL, 0 }, 0, 0, 0.0 }
 #define MRY_CLIP_INFO_INIT { (uint32_t)sizeof(mry_clip_info), 0, 0, 0, 0, 0.0, { 0 } }
@@ -306,6 +307,43 @@ typedef struct mry_executor {
   /** Handed to spawn. */
   void *user;
 } mry_executor;
+
+/**
+ * Lends memory for one frame. It is called from several threads at a time, and must not call the library nor throw.
+ *
+ * @param size       Bytes, at least 1.
+ * @param alignment  What the address must be a multiple of: 64.
+ * @param user       user of the description.
+ * @return The memory; NULL where there is none, which makes the frame fail with MRY_E_MEMORY.
+ * Thread: [worker-thread].
+ */
+typedef void *(*mry_alloc_fn)(size_t size, size_t alignment, void *user);
+
+/**
+ * Takes memory back, which the library does not look at any more: when a frame leaves the cache and no map shows it,
+ * and at the latest before mry_context_destroy returns. As mry_alloc_fn, it must not call the library nor throw.
+ *
+ * @param memory     What mry_alloc_fn gave.
+ * @param size       What it was asked for.
+ * @param alignment  What it was asked for.
+ * @param user       user of the description.
+ * Thread: [worker-thread].
+ */
+typedef void (*mry_free_fn)(void *memory, size_t size, size_t alignment, void *user);
+
+/** Where the memory for decoded frames comes from. Start from MRY_ALLOCATOR_INIT. */
+typedef struct mry_allocator {
+  /** sizeof(mry_allocator). */
+  uint32_t struct_size;
+  /** Zero. */
+  uint32_t reserved0;
+  /** Lends memory. */
+  mry_alloc_fn alloc;
+  /** Takes it back. */
+  mry_free_fn free;
+  /** Handed to both. */
+  void *user;
+} mry_allocator;
 
 /**
  * A string for the library to read during the call: UTF-8, with its length or with len = MRY_STRZ where a NUL ends
@@ -846,6 +884,26 @@ MRY_API void mry_limits_init(mry_limits *limits, uint32_t size);
  * Thread: [any-thread]. Since 0.1.
  */
 MRY_API void mry_executor_init(mry_executor *executor, uint32_t size);
+
+/** @} */
+
+/**
+ * @defgroup allocator Memory of the host's
+ *
+ * Memory of the host's. A host that has an allocator of its own can lend the memory for decoded frames, which are what
+ * the library keeps most of: to count it, to bound it, or to share it with a device. Everything else, and all of it
+ * without such an allocator, is the library's own.
+ * @{
+ */
+
+/**
+ * Fills in an allocator with struct_size set and everything else zero, for languages without the INIT macros.
+ *
+ * @param allocator  Where to write; NULL does nothing.
+ * @param size       sizeof(mry_allocator) as the caller knows it.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API void mry_allocator_init(mry_allocator *allocator, uint32_t size);
 
 /** @} */
 
@@ -1683,6 +1741,156 @@ mry_status mry_motion_get_bone(mry_context *context,
                                uint32_t *out_parent,
                                uint32_t *out_child,
                                mry_error *err);
+
+/** @} */
+
+/**
+ * @defgroup motion_edit Making motions
+ *
+ * Making motions. A motion can also be made by hand: from the tracks of another program, or by correcting a copy of
+ * what was tracked. What a creature, a session or a job works with is not touched by a change made afterwards.
+ * @{
+ */
+
+/**
+ * Creates a motion without tracks.
+ *
+ * @param context      The context.
+ * @param width        The clip's pixels across, at least 1.
+ * @param height       The clip's pixels down, at least 1.
+ * @param frame_count  Frames of every track, at least 1.
+ * @param fps          Frames a second, above 0.
+ * @param out_motion   The motion.
+ * @param err          Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_INPUT (a value that is none), MRY_E_LIMIT (frames).
+ * Lifetime: until mry_motion_destroy or the end of the context.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_motion_create(mry_context *context,
+                             uint32_t width,
+                             uint32_t height,
+                             uint64_t frame_count,
+                             double fps,
+                             mry_motion *out_motion,
+                             mry_error *err);
+
+/**
+ * Copies a motion, to change it. Tracks are copied when they are changed, not now.
+ *
+ * @param context     The context.
+ * @param motion      The motion.
+ * @param out_motion  The copy.
+ * @param err         Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_BUSY.
+ * Lifetime: until mry_motion_destroy or the end of the context.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_motion_copy(mry_context *context,
+                           mry_motion motion,
+                           mry_motion *out_motion,
+                           mry_error *err);
+
+/**
+ * Adds a track behind the others. Until they are set its points lie at (0, 0), hidden and not to be trusted.
+ *
+ * @param context      The context.
+ * @param motion       The motion.
+ * @param name         Its name, unlike any other's.
+ * @param kind         MRY_TRACK_STROKE, ...
+ * @param point_count  Its points in every frame: 1 to 10000.
+ * @param out_track    Its index.
+ * @param err          Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_INPUT (the name is taken), MRY_E_ARGUMENT (kind, empty name, no points), MRY_E_LIMIT (points,
+ *         or more than 67 million in all frames), MRY_E_STRING, MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_motion_add_track(mry_context *context,
+                                mry_motion motion,
+                                mry_str name,
+                                int32_t kind,
+                                size_t point_count,
+                                uint32_t *out_track,
+                                mry_error *err);
+
+/**
+ * Removes a track and its bones; the indices of those behind it go down.
+ *
+ * @param context  The context.
+ * @param motion   The motion.
+ * @param track    Which, below track_count.
+ * @param err      Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_ARGUMENT (track), MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_motion_remove_track(mry_context *context,
+                                   mry_motion motion,
+                                   uint32_t track,
+                                   mry_error *err);
+
+/**
+ * Sets where a track is in one frame.
+ *
+ * @param context     The context.
+ * @param motion      The motion.
+ * @param track       Which, below track_count.
+ * @param frame       Which, below frame_count.
+ * @param points      Places, which may lie outside the image.
+ * @param visible     For each point 1 where it is seen and 0 where it is not; NULL for all seen.
+ * @param confidence  For each point how far it is to be trusted, 0..1; NULL for all certain.
+ * @param count       Entries of each list: as many as the track has points.
+ * @param err         Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_ARGUMENT (track, frame), MRY_E_INPUT (count, or a confidence outside 0..1),
+ *         MRY_E_NON_FINITE, MRY_E_LIMIT, MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_motion_set_frame(mry_context *context,
+                                mry_motion motion,
+                                uint32_t track,
+                                uint64_t frame,
+                                const mry_point *points,
+                                const uint8_t *visible,
+                                const float *confidence,
+                                size_t count,
+                                mry_error *err);
+
+/**
+ * Joins two tracks, such as a leg to the body it hangs from; an earlier bone to the same child is replaced.
+ *
+ * @param context  The context.
+ * @param motion   The motion.
+ * @param parent   The track nearer to the root.
+ * @param child    The track that hangs from it.
+ * @param err      Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_ARGUMENT (no such track), MRY_E_INPUT (the bones would close a circle), MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_motion_add_bone(mry_context *context,
+                               mry_motion motion,
+                               uint32_t parent,
+                               uint32_t child,
+                               mry_error *err);
+
+/**
+ * Takes a bone away; the indices of those behind it go down.
+ *
+ * @param context  The context.
+ * @param motion   The motion.
+ * @param bone     Which, below bone_count.
+ * @param err      Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_INPUT (no such bone), MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_motion_remove_bone(mry_context *context,
+                                  mry_motion motion,
+                                  uint32_t bone,
+                                  mry_error *err);
 
 /** @} */
 
@@ -3194,6 +3402,87 @@ mry_status mry_session_get_motion(mry_context *context,
                                   mry_session session,
                                   mry_motion *out_motion,
                                   mry_error *err);
+
+/** @} */
+
+/**
+ * @defgroup session_recording Recordings of sessions
+ *
+ * Recordings of sessions. A recording is the session as it was and every gesture after that; played, it does again
+ * what a person did. It is what to send along with the report of a defect, and a test of what a session comes to.
+ * @{
+ */
+
+/**
+ * Begins a recording of a session; one in progress ends. Gestures are recorded as they are finished, undo and redo
+ * among them. Should the file meet a full disk the recording ends, which is a warning of the session, and the gesture
+ * counts.
+ *
+ * @param context  The context.
+ * @param session  The session.
+ * @param path     A file that does not exist.
+ * @param err      Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_INPUT (a gesture is in progress), MRY_E_IO (the file exists, or cannot be written),
+ *         MRY_E_NO_FILE (its folder does not exist), MRY_E_STRING, MRY_E_ARGUMENT, MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_session_start_recording(mry_context *context,
+                                       mry_session session,
+                                       mry_str path,
+                                       mry_error *err);
+
+/**
+ * Ends the recording of a session.
+ *
+ * @param context  The context.
+ * @param session  The session.
+ * @param err      Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_NOT_FOUND (there is none in progress), MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_session_stop_recording(mry_context *context,
+                                      mry_session session,
+                                      mry_error *err);
+
+/**
+ * Plays a recording: makes a session that is kept nowhere, and does in it what was recorded. A recording that breaks
+ * off is played to there, with a warning of the session.
+ *
+ * @param context      The context.
+ * @param path         The recording.
+ * @param most         How many gestures to play, at most; UINT64_MAX for all.
+ * @param out_session  The session. Its recovered_count says how many were played.
+ * @param err          Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_NO_FILE, MRY_E_INPUT (no recording, or damaged), MRY_E_LIMIT, MRY_E_IO, MRY_E_STRING,
+ *         MRY_E_ARGUMENT.
+ * Lifetime: until mry_session_destroy or the end of the context.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_session_replay(mry_context *context,
+                              mry_str path,
+                              uint64_t most,
+                              mry_session *out_session,
+                              mry_error *err);
+
+/**
+ * A number that tells what a session holds from anything else: the same for the same clip, strokes, parameters and
+ * motion, on any machine and wherever the files lie.
+ *
+ * @param context          The context.
+ * @param session          The session.
+ * @param out_fingerprint  The number.
+ * @param err              Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_session_get_fingerprint(mry_context *context,
+                                       mry_session session,
+                                       uint64_t *out_fingerprint,
+                                       mry_error *err);
 
 /** @} */
 

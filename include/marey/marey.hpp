@@ -424,6 +424,42 @@ public:
     };
     return detail::perform(read, [&] { return std::move(found); });
   }
+  /** A copy, to change; tracks are copied when they are changed. */
+  result<motion> copy() const {
+    return other<motion, mry_motion>([&](mry_motion *id, mry_error *err) { return mry_motion_copy(c(), id_, id, err); });
+  }
+  /** Adds a track, all its points at (0, 0), hidden and not to be trusted; gives its index. */
+  result<std::uint32_t> add_track(std::string_view name, std::int32_t kind, std::size_t point_count) {
+    std::uint32_t track = 0;
+    return detail::perform(
+      [&](mry_error *err) { return mry_motion_add_track(c(), id_, detail::str(name), kind, point_count, &track, err); },
+      [&] { return track; });
+  }
+  /** Removes a track and its bones. */
+  result<void> remove_track(std::uint32_t track) {
+    return detail::perform([&](mry_error *err) { return mry_motion_remove_track(c(), id_, track, err); });
+  }
+  /** Sets where a track is in one frame. Empty lists of visible and confidence mean all seen, all certain. */
+  result<void> set_frame(std::uint32_t track, std::uint64_t frame, const track_frame &to) {
+    const auto set = [&](mry_error *err) {
+      const std::size_t count = to.points.size();
+      // Lists of unlike lengths are refused by a count that no track has.
+      const bool odd = (!to.visible.empty() && to.visible.size() != count) ||
+                       (!to.confidence.empty() && to.confidence.size() != count);
+      return mry_motion_set_frame(c(), id_, track, frame, to.points.data(),
+                                  to.visible.empty() ? nullptr : to.visible.data(),
+                                  to.confidence.empty() ? nullptr : to.confidence.data(), odd ? 0 : count, err);
+    };
+    return detail::perform(set);
+  }
+  /** Joins two tracks: the child hangs from the parent. */
+  result<void> add_bone(std::uint32_t parent, std::uint32_t child) {
+    return detail::perform([&](mry_error *err) { return mry_motion_add_bone(c(), id_, parent, child, err); });
+  }
+  /** Takes a bone away. */
+  result<void> remove_bone(std::uint32_t bone) {
+    return detail::perform([&](mry_error *err) { return mry_motion_remove_bone(c(), id_, bone, err); });
+  }
   /** The text of a motion.json. */
   result<std::string> to_json() const {
     return detail::text([&](char *text, std::size_t capacity, std::size_t *size, mry_error *err) {
@@ -672,6 +708,25 @@ public:
     return other<marey::clip, mry_clip>(
       [&](mry_clip *id, mry_error *err) { return mry_session_get_clip(c(), id_, nullptr, id, err); });
   }
+  /** Lets saves put the clip and the painted masks into the file, or refer to them. */
+  result<void> set_embedded(bool embedded) {
+    return detail::perform([&](mry_error *err) { return mry_session_set_embedded(c(), id_, embedded ? 1 : 0, err); });
+  }
+  /** Begins a recording of its gestures in a file that does not exist. */
+  result<void> start_recording(std::string_view path) {
+    return detail::perform(
+      [&](mry_error *err) { return mry_session_start_recording(c(), id_, detail::str(path), err); });
+  }
+  /** Ends the recording. */
+  result<void> stop_recording() {
+    return detail::perform([&](mry_error *err) { return mry_session_stop_recording(c(), id_, err); });
+  }
+  /** A number that is the same for what is alike to the last bit, on any machine. */
+  result<std::uint64_t> fingerprint() const {
+    std::uint64_t number = 0;
+    return detail::perform([&](mry_error *err) { return mry_session_get_fingerprint(c(), id_, &number, err); },
+                           [&] { return number; });
+  }
   /** Replaces everything that is drawn by a copy of a rig. */
   result<void> set_rig(const marey::rig &rig) {
     return detail::perform([&](mry_error *err) { return mry_session_set_rig(c(), id_, rig.id(), err); });
@@ -752,7 +807,7 @@ public:
       [&] { return value; });
   }
 
-  /** Starts tracking it as it is now. */
+  /** Starts tracking what is out of date of it as it is now. */
   result<job> start_track() const {
     return other<job, mry_job>([&](mry_job *id, mry_error *err) { return mry_session_start_track(c(), id_, id, err); });
   }
@@ -766,7 +821,7 @@ public:
   result<void> take(const job &job) {
     return detail::perform([&](mry_error *err) { return mry_session_take(c(), id_, job.id(), err); });
   }
-  /** Tracks it, takes the motion in, and returns when it is done. */
+  /** Tracks what is out of date, takes the motion in, and returns when it is done. */
   result<void> run_track() {
     return detail::perform([&](mry_error *err) { return mry_session_run_track(c(), id_, err); });
   }
@@ -801,6 +856,10 @@ struct context_options {
   std::function<void(std::int32_t level, std::string_view line)> log;
   /** What the context will work on at most; zeros are the defaults. */
   mry_limits limits = MRY_LIMITS_INIT;
+  /** Lends threads; where spawn is NULL the library starts its own. */
+  mry_executor executor = MRY_EXECUTOR_INIT;
+  /** Lends memory for decoded frames; where alloc is NULL it is the library's own. */
+  mry_allocator allocator = MRY_ALLOCATOR_INIT;
 };
 
 /** The library's state for one user. Moves; lives as long as its last object. */
@@ -819,6 +878,8 @@ public:
     mry_context_desc desc = MRY_CONTEXT_DESC_INIT;
     desc.threads = options.threads;
     desc.limits = &options.limits;
+    desc.executor = options.executor.spawn != nullptr ? &options.executor : nullptr;
+    desc.allocator = options.allocator.alloc != nullptr ? &options.allocator : nullptr;
     if (options.log) {
       state->log = std::move(options.log);
       desc.log = detail::state::take_line;
@@ -863,6 +924,12 @@ public:
     return make<motion, mry_motion>(
       [&](mry_motion *id, mry_error *err) { return mry_motion_read(get(), detail::str(path), id, err); });
   }
+  /** A motion without tracks, for a clip of this size. */
+  result<motion> new_motion(std::uint32_t width, std::uint32_t height, std::uint64_t frames, double fps) const {
+    return make<motion, mry_motion>([&](mry_motion *id, mry_error *err) {
+      return mry_motion_create(get(), width, height, frames, fps, id, err);
+    });
+  }
   /** Starts opening a clip. */
   result<job> start_open(std::string_view path, const mry_clip_options *options = nullptr) const {
     return make<job, mry_job>([&](mry_job *id, mry_error *err) {
@@ -875,6 +942,17 @@ public:
     desc.clip = clip.id();
     desc.rig = rig.id();
     desc.tracker = detail::str(by.tracker);
+    return make<job, mry_job>([&](mry_job *id, mry_error *err) { return mry_job_start_track(get(), &desc, id, err); });
+  }
+  /** Starts tracking again what differs between a rig and the one that an earlier motion was tracked from. */
+  result<job> start_retrack(const clip &clip, const rig &rig, const motion &earlier, const marey::rig &earlier_rig,
+                            const methods &by = {}) const {
+    mry_track_desc desc = MRY_TRACK_DESC_INIT;
+    desc.clip = clip.id();
+    desc.rig = rig.id();
+    desc.tracker = detail::str(by.tracker);
+    desc.earlier = earlier.id();
+    desc.earlier_rig = earlier_rig.id();
     return make<job, mry_job>([&](mry_job *id, mry_error *err) { return mry_job_start_track(get(), &desc, id, err); });
   }
   /** Starts segmenting, after tracking where no motion is given. */
@@ -930,6 +1008,12 @@ public:
   result<session> open_session(std::string_view path, std::int32_t access = MRY_ACCESS_EDIT) const {
     return make<session, mry_session>([&](mry_session *id, mry_error *err) {
       return mry_session_open(get(), detail::str(path), access, id, err);
+    });
+  }
+  /** Plays the first `most` gestures of a recording; the session that they lead to is kept in memory only. */
+  result<session> replay(std::string_view path, std::uint64_t most = UINT64_MAX) const {
+    return make<session, mry_session>([&](mry_session *id, mry_error *err) {
+      return mry_session_replay(get(), detail::str(path), most, id, err);
     });
   }
   /** One of the parameters of sessions. Fails with MRY_E_NOT_FOUND after the last. */

@@ -26,6 +26,8 @@ typedef struct soak {
   uint64_t ids[KINDS][PLACES];
   uint64_t random;
   uint64_t job_count, good, refused;
+  /* Whether the lender of memory now and then has none. */
+  int stingy;
   const char *clip, *strokes, *folder;
   mry_error err;
   _Alignas(16) unsigned char bytes[BYTES];
@@ -232,6 +234,32 @@ static mry_status use_motion(soak *s) {
   }
 }
 
+static mry_status edit_motion(soak *s) {
+  mry_point p[8];
+  mry_motion motion = { id(s, MOTION) }, made = { 0 };
+  uint32_t track = 0;
+  uint8_t visible[8] = { 1, 0, 1 };
+  float confidence[8];
+  mry_status status;
+  switch (below(s, 8)) {
+    case 0: status = mry_motion_create(s->context, number(s, 99), number(s, 99), frame(s), (double)real(s), &made, ERR); break;
+    case 1: status = mry_motion_copy(s->context, motion, &made, ERR); break;
+    case 2: return mry_motion_add_track(s->context, motion, text(s), (int32_t)number(s, 5), number(s, 9), &track, ERR);
+    case 3: return mry_motion_remove_track(s->context, motion, number(s, 4), ERR);
+    case 4: return mry_motion_add_bone(s->context, motion, number(s, 4), number(s, 4), ERR);
+    case 5: return mry_motion_remove_bone(s->context, motion, number(s, 4), ERR);
+    default:
+      for (int i = 0; i < 8; i++) {
+        confidence[i] = real(s) / 50.0f;
+      }
+      return mry_motion_set_frame(s->context, motion, number(s, 4), frame(s), points(s, p),
+                                  below(s, 2) == 0 ? visible : NULL, below(s, 2) == 0 ? confidence : NULL,
+                                  below(s, 9), ERR);
+  }
+  keep(s, MOTION, made.v);
+  return status;
+}
+
 static mry_status use_masks(soak *s) {
   mry_masks masks = { id(s, MASKS) };
   mry_masks_info info = MRY_MASKS_INFO_INIT;
@@ -301,6 +329,10 @@ static mry_status start_job(soak *s) {
       mry_track_desc desc = MRY_TRACK_DESC_INIT;
       desc.clip = clip;
       desc.rig = rig;
+      if (below(s, 2) == 0) {
+        desc.earlier.v = id(s, MOTION);
+        desc.earlier_rig.v = id(s, RIG);
+      }
       status = mry_job_start_track(s->context, &desc, &job, ERR);
       break;
     }
@@ -371,7 +403,8 @@ static mry_status use_session(soak *s) {
   size_t count = 0;
   double value = 0;
   mry_status status;
-  switch (below(s, 24)) {
+  uint64_t fingerprint = 0;
+  switch (below(s, 29)) {
     case 0: status = mry_session_create(s->context, place(s, name, ".marey"), &made, ERR); break;
     case 1: status = mry_session_create_untitled(s->context, MRY_STR(s->folder), &made, ERR); break;
     case 2: status = mry_session_open(s->context, place(s, name, ".marey"), (int32_t)number(s, 3), &made, ERR); break;
@@ -396,6 +429,11 @@ static mry_status use_session(soak *s) {
     case 19: return mry_session_set_parameter(s->context, session, text(s), (double)real(s), ERR);
     case 20: return mry_session_get_parameter(s->context, session, text(s), &value, ERR);
     case 21: return mry_session_discard(s->context, session, ERR);
+    case 23: return mry_session_set_embedded(s->context, session, number(s, 3), ERR);
+    case 24: return mry_session_start_recording(s->context, session, place(s, name, ".recording"), ERR);
+    case 25: return mry_session_stop_recording(s->context, session, ERR);
+    case 26: return mry_session_get_fingerprint(s->context, session, &fingerprint, ERR);
+    case 27: status = mry_session_replay(s->context, place(s, name, ".recording"), frame(s), &made, ERR); break;
     case 22: return mry_session_take(s->context, session, (mry_job){ id(s, JOB) }, ERR);
     default:
       status = mry_session_start_track(s->context, session, &job, ERR);
@@ -422,8 +460,9 @@ static mry_status one(soak *s) {
   if (dice < 8) {
     return use_session(s);
   }
-  switch (dice % 6) {
+  switch (dice % 7) {
     case 0: return edit_rig(s);
+    case 6: return edit_motion(s);
     case 1: return use_clip(s);
     case 2: return use_motion(s);
     case 3: return use_masks(s);
@@ -432,10 +471,28 @@ static mry_status one(soak *s) {
   }
 }
 
+/* Lends memory for frames, and now and then has none. */
+static void *lend(size_t size, size_t alignment, void *user) {
+  static _Thread_local uint32_t asked;
+  const soak *s = user;
+  return s->stingy && ++asked % 97 == 0 ? NULL : aligned_alloc(alignment, (size + alignment - 1) / alignment * alignment);
+}
+
+static void take_back(void *memory, size_t size, size_t alignment, void *user) {
+  (void)size, (void)alignment, (void)user;
+  free(memory);
+}
+
 /* Fills every place once, so that calls have something to work on. */
 static int begin(soak *s) {
   mry_context_desc desc = MRY_CONTEXT_DESC_INIT;
   desc.threads = 1 + below(s, 3);
+  mry_allocator allocator = MRY_ALLOCATOR_INIT;
+  allocator.alloc = lend;
+  allocator.free = take_back;
+  allocator.user = s;
+  s->stingy = 0;
+  desc.allocator = below(s, 2) == 0 ? &allocator : NULL;
   memset(s->ids, 0, sizeof s->ids);
   if (mry_context_create(&desc, &s->context, &s->err) != MRY_OK) {
     return 0;
@@ -456,6 +513,7 @@ static int begin(soak *s) {
     s->ids[RIG][0] = rig.v;
     s->ids[CREATURE][0] = creature.v;
   }
+  s->stingy = 1;
   return good;
 }
 

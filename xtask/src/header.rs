@@ -14,13 +14,14 @@ use cbindgen::{Builder, Config, DocumentationStyle, EnumConfig, ExportConfig, Fu
 use crate::shell::{root, say};
 
 /// The files of ffi/src in the order a reader meets them.
-const FILES: [&str; 33] = [
+const FILES: [&str; 36] = [
     "version.rs",
     "status.rs",
     "string.rs",
     "error.rs",
     "limits.rs",
     "threads.rs",
+    "allocator.rs",
     "context.rs",
     "clip.rs",
     "rig.rs",
@@ -29,6 +30,7 @@ const FILES: [&str; 33] = [
     "paint.rs",
     "motion.rs",
     "tracks.rs",
+    "motion_edit.rs",
     "advice.rs",
     "masks.rs",
     "creature.rs",
@@ -45,6 +47,7 @@ const FILES: [&str; 33] = [
     "session.rs",
     "gesture.rs",
     "session_media.rs",
+    "session_recording.rs",
     "drawing.rs",
     "parameter.rs",
     "session_jobs.rs",

@@ -52,6 +52,8 @@ pub struct SessionState {
     pub gestures: u64,
     /// Rises with every change.
     pub revision: u64,
+    /// Whether a save puts the clip and the painted masks into the file.
+    pub embedded: bool,
 }
 
 impl Context {
@@ -77,6 +79,13 @@ impl Context {
     }
 }
 
+impl Context {
+    /// Plays a recording: the session that its first `most` gestures lead to, kept in memory only.
+    pub fn replay(&self, path: &str, most: u64) -> Result<Session> {
+        Ok(Session { id: sys::session_replay(&self.0, path, most)?, context: self.clone() })
+    }
+}
+
 /// A fair question may have no answer.
 pub(crate) fn found<T>(answer: Result<T>) -> Result<Option<T>> {
     match answer {
@@ -94,6 +103,26 @@ impl Session {
     /// Drops what was not saved; the file is as it was saved last.
     pub fn discard(self) -> Result<()> {
         sys::session_discard(&self.context.0, self.id)
+    }
+
+    /// Lets saves put the clip and the painted masks into the file, or refer to them.
+    pub fn set_embedded(&self, embedded: bool) -> Result<()> {
+        sys::session_set_embedded(&self.context.0, self.id, embedded)
+    }
+
+    /// Begins a recording of its gestures in a file that does not exist.
+    pub fn start_recording(&self, path: &str) -> Result<()> {
+        sys::session_start_recording(&self.context.0, self.id, path)
+    }
+
+    /// Ends the recording.
+    pub fn stop_recording(&self) -> Result<()> {
+        sys::session_stop_recording(&self.context.0, self.id)
+    }
+
+    /// A number that is the same for what is alike to the last bit, on any machine.
+    pub fn fingerprint(&self) -> Result<u64> {
+        sys::session_fingerprint(&self.context.0, self.id)
     }
 
     /// Saves it to its file, whole or not at all.
@@ -121,6 +150,7 @@ impl Session {
             recovered: state.recovered_count,
             gestures: state.gesture_count,
             revision: state.revision,
+            embedded: state.embedded == 1,
         })
     }
 

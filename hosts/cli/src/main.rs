@@ -49,5 +49,7 @@ fn run(args: &Args) -> Result<(), Failure> {
         Command::Creature(creature) => commands::creature(&session, creature),
         Command::Demo(demo) => commands::demo(&session, demo),
         Command::Session(SessionCommand::Info(info)) => commands::session_info(&session, info),
+        Command::Session(SessionCommand::Embed(embed)) => commands::session_embed(&session, embed),
+        Command::Session(SessionCommand::Replay(replay)) => commands::session_replay(&session, replay),
     }
 }

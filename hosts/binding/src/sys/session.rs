@@ -29,6 +29,30 @@ pub(crate) fn session_open(handle: &Handle, path: &str, access: i32) -> Result<m
     Ok(session)
 }
 
+pub(crate) fn session_set_embedded(handle: &Handle, session: mry_session, embedded: bool) -> Result<()> {
+    call!(mry_session_set_embedded(handle, session, embedded.into())).map(drop)
+}
+
+pub(crate) fn session_start_recording(handle: &Handle, session: mry_session, path: &str) -> Result<()> {
+    call!(mry_session_start_recording(handle, session, str(path))).map(drop)
+}
+
+pub(crate) fn session_stop_recording(handle: &Handle, session: mry_session) -> Result<()> {
+    call!(mry_session_stop_recording(handle, session)).map(drop)
+}
+
+pub(crate) fn session_replay(handle: &Handle, path: &str, most: u64) -> Result<mry_session> {
+    let mut session = mry_session::default();
+    call!(mry_session_replay(handle, str(path), most, &mut session))?;
+    Ok(session)
+}
+
+pub(crate) fn session_fingerprint(handle: &Handle, session: mry_session) -> Result<u64> {
+    let mut number = 0;
+    call!(mry_session_get_fingerprint(handle, session, &mut number))?;
+    Ok(number)
+}
+
 pub(crate) fn session_discard(handle: &Handle, session: mry_session) -> Result<()> {
     call!(mry_session_discard(handle, session)).map(drop)
 }

@@ -4,6 +4,7 @@ mod creature;
 mod demo;
 mod info;
 mod segment;
+mod session_files;
 mod session_info;
 mod track;
 
@@ -11,6 +12,7 @@ pub(crate) use creature::creature;
 pub(crate) use demo::demo;
 pub(crate) use info::info;
 pub(crate) use segment::segment;
+pub(crate) use session_files::{session_embed, session_replay};
 pub(crate) use session_info::session_info;
 pub(crate) use track::track;
 

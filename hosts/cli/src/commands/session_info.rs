@@ -33,6 +33,8 @@ pub(crate) fn session_info(run: &Session, args: &SessionInfo) -> Result<(), Fail
             "motion_outdated": state.motion_outdated,
             "gestures": state.gestures,
             "unsaved_gestures": state.recovered,
+            "embedded": state.embedded,
+            "fingerprint": format!("{:016x}", session.fingerprint()?),
             "warnings": warnings,
         });
         say::line(&report.to_string());
