@@ -34,6 +34,7 @@ cargo xtask COMMAND
                      random calls on the C library under sanitizers, a million by default (release build)
   cancels            how soon jobs end when cancelled, at a hundred moments (release build, quiet machine)
   measure DATA ...   the table of scores on a data folder (release build)
+  retrack DATA ...   what a corrected stroke costs, on the same folder (release build)
   validate GLB ...   the Khronos glTF validator on files
 ";
 
@@ -43,10 +44,13 @@ fn main() -> Result<()> {
         shell::say(HELP);
         return Ok(());
     };
+    if ["test", "docs", "soak", "c-host"].contains(&command.as_str()) {
+        system::ensure()?;
+    }
     match command.as_str() {
         "test" => test::run(),
         "check" => check::run(),
-        "measure" => measure::run(rest),
+        "measure" | "retrack" => measure::run(command, rest),
         "header" => header::run(rest),
         "library" => library::run(rest),
         "install" => library::install(rest),

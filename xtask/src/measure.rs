@@ -1,12 +1,13 @@
-//! `cargo xtask measure DATA`: builds the release command line and the scorer, and prints the table.
+//! `cargo xtask measure DATA` and `cargo xtask retrack DATA`: build the release programs and print their tables.
 
 use anyhow::Result;
 
 use crate::shell::{self, cargo, program, target};
 
-pub(crate) fn run(args: &[String]) -> Result<()> {
+/// Runs the program `name` of the tests, which measures.
+pub(crate) fn run(name: &str, args: &[String]) -> Result<()> {
     let packages = ["--package", "marey-cli", "--package", "marey-tests"];
     shell::run(cargo().args(["build", "--release", "--locked", "--bins"]).args(packages))?;
-    let measure = target().join("release/measure");
+    let measure = target().join("release").join(name);
     shell::run(program(&measure.to_string_lossy()).current_dir(std::env::current_dir()?).args(args))
 }

@@ -2,10 +2,9 @@
 
 use anyhow::Result;
 
-use crate::{c_host, header, shell, system, validator};
+use crate::{c_host, header, shell, validator};
 
 pub(crate) fn run() -> Result<()> {
-    system::ensure()?;
     header::run(&["--check".into()])?;
     shell::run(shell::cargo().args(["test", "--workspace", "--locked"]))?;
     c_host::run(&["--dev".into()])?;

@@ -106,3 +106,38 @@ fn what_a_host_does_is_undone_and_lasts() {
     assert_ne!(session.rig().unwrap().to_json().unwrap(), drawn, "as it was saved");
     assert!(context.sessions_left_in(folder.path().to_str().unwrap()).unwrap().is_empty());
 }
+
+#[test]
+fn a_session_is_made_to_carry_its_clip_and_a_recording_is_played() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let context = Context::new(1).unwrap();
+    let session = edited(&context, &at("walk.marey"));
+    session.start_recording(&at("walk.recording")).unwrap();
+    session.set_parameter("creature.smoothing", Some(0.2)).unwrap();
+    session.undo().unwrap();
+    session.stop_recording().unwrap();
+    let fingerprint = session.fingerprint().unwrap();
+    session.save().unwrap();
+    drop(session);
+    let run = |arguments: &[&str]| {
+        let output = Command::new(env!("CARGO_BIN_EXE_marey")).arg("session").args(arguments).output().unwrap();
+        (output.status.code(), String::from_utf8(output.stdout).unwrap(), String::from_utf8(output.stderr).unwrap())
+    };
+    let (code, said, error) = run(&["replay", &at("walk.recording"), "-o", &at("played.marey"), "--json"]);
+    assert_eq!(code, Some(0), "{error}");
+    let report: Value = serde_json::from_str(&said).unwrap();
+    assert_eq!((&report["played"], &report["fingerprint"]), (&2.into(), &format!("{fingerprint:016x}").into()));
+    let played = context.open_session(&at("played.marey"), Access::ReadOnly).unwrap();
+    assert_eq!(played.fingerprint().unwrap(), fingerprint);
+    assert_eq!(run(&["replay", &at("walk.marey-journal")]).0, Some(3), "no recording");
+
+    let small = std::fs::metadata(at("walk.marey")).unwrap().len();
+    let (code, _, error) = run(&["embed", &at("walk.marey")]);
+    assert_eq!(code, Some(0), "{error}");
+    let clip = std::fs::metadata(camel("clip.mp4")).unwrap().len();
+    assert!(std::fs::metadata(at("walk.marey")).unwrap().len() > small + clip);
+    let session = context.open_session(&at("walk.marey"), Access::Edit).unwrap();
+    assert!(session.state().unwrap().embedded && session.warnings().unwrap().is_empty());
+    assert!(run(&["embed", &at("walk.marey")]).2.contains("another program"));
+}
