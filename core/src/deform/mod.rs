@@ -1,5 +1,8 @@
 //! Deformers: a few handles move, and a plane mesh follows. Knows nothing of drawings, characters or sketches.
 
+pub mod arap;
+pub(crate) mod sparse;
+
 use glam::Vec2;
 
 use crate::error::Result;
@@ -21,6 +24,25 @@ pub enum Handle {
     Point(Vec2),
     /// A straight bone from its root to its tip; the mesh around it turns and stretches with it.
     Bone(Vec2, Vec2),
+}
+
+impl Handle {
+    /// The handle with every place passed through `map`.
+    #[must_use]
+    pub fn map(self, map: impl Fn(Vec2) -> Vec2) -> Self {
+        match self {
+            Self::Point(at) => Self::Point(map(at)),
+            Self::Bone(root, tip) => Self::Bone(map(root), map(tip)),
+        }
+    }
+
+    /// Whether all its numbers are finite.
+    pub fn is_finite(self) -> bool {
+        match self {
+            Self::Point(at) => at.is_finite(),
+            Self::Bone(root, tip) => root.is_finite() && tip.is_finite(),
+        }
+    }
 }
 
 /// Anything that moves a mesh by handles.
