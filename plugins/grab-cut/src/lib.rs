@@ -15,13 +15,17 @@ mod max_flow;
 mod mixture;
 mod models;
 mod occupancy;
+mod paint;
 mod parameters;
+mod plugin;
 mod segment;
 mod tidy;
 mod window;
 
 pub use footage::{Footage, Frames, Known, Limb};
+pub use paint::brush;
 pub use parameters::Parameters;
+pub use plugin::GrabCutPlugin;
 pub use segment::GrabCut;
 
 /// What can go wrong.

@@ -11,9 +11,6 @@ const K_MEANS_ROUNDS: usize = 8;
 pub(crate) const NUMBERS: usize = 5;
 /// How many of them are its place.
 const PLACE: usize = 2;
-/// Share of samples that are of any colour at all, so that a colour never seen says little.
-const ANY: f32 = 0.02;
-
 /// A colour at a place.
 pub(crate) type Sample = [f32; NUMBERS];
 
@@ -22,6 +19,8 @@ pub(crate) type Sample = [f32; NUMBERS];
 #[derive(Clone, Debug)]
 pub(crate) struct Mixture {
     components: Vec<Component>,
+    /// Share of colours that are any at all: how much a colour never seen is to be expected.
+    any: f32,
 }
 
 #[derive(Clone, Debug)]
@@ -35,19 +34,19 @@ struct Component {
 }
 
 impl Mixture {
-    /// Fits up to `count` components. `floor` is added to the variances: what the numbers are exact to. `None` without
-    /// samples.
-    pub(crate) fn fit(samples: &[Sample], count: usize, floor: Sample) -> Option<Self> {
+    /// Fits up to `count` components. `floor` is added to the variances: what the numbers are exact to; `any` is
+    /// the share of colours that are any at all. `None` without samples.
+    pub(crate) fn fit(samples: &[Sample], count: usize, floor: Sample, any: f32) -> Option<Self> {
         let mut owner = k_means(samples, count)?;
-        let mixture = Self::from_owners(samples, &owner, floor);
+        let mixture = Self::from_owners(samples, &owner, floor, any);
         // One hard assignment by density instead of distance: long thin clusters get their samples back.
         for (o, s) in owner.iter_mut().zip(samples) {
             *o = mixture.likeliest(s);
         }
-        Some(Self::from_owners(samples, &owner, floor))
+        Some(Self::from_owners(samples, &owner, floor, any))
     }
 
-    fn from_owners(samples: &[Sample], owner: &[usize], floor: Sample) -> Self {
+    fn from_owners(samples: &[Sample], owner: &[usize], floor: Sample, any: f32) -> Self {
         let count = owner.iter().max().map_or(0, |m| m + 1);
         let mut sums = vec![(0.0f64, [0.0f64; NUMBERS], [[0.0f64; NUMBERS]; NUMBERS]); count];
         for (s, &o) in samples.iter().zip(owner) {
@@ -74,7 +73,7 @@ impl Mixture {
             }
             Component::new(n / total, mean, &covariance)
         });
-        Self { components: components.collect() }
+        Self { components: components.collect(), any }
     }
 
     fn likeliest(&self, sample: &Sample) -> usize {
@@ -105,8 +104,8 @@ impl Mixture {
                 both += weight * colour.exp();
             }
         }
-        let any = ANY / (256.0 * 256.0 * 256.0);
-        ((1.0 - ANY) * both / here.max(f32::MIN_POSITIVE) + any).ln()
+        let any = self.any / (256.0 * 256.0 * 256.0);
+        ((1.0 - self.any) * both / here.max(f32::MIN_POSITIVE) + any).ln()
     }
 }
 
@@ -259,7 +258,7 @@ mod tests {
 
     #[test]
     fn tells_what_colours_there_are_where() {
-        let mixture = Mixture::fit(&two_places(), 3, [4.0; 5]).expect("samples");
+        let mixture = Mixture::fit(&two_places(), 3, [4.0; 5], 0.01).expect("samples");
         let at = |x: f32, colour: f32| mixture.log_colour_at_place(&[x, 50.0, colour, colour, colour]);
         assert!(at(50.0, 240.0) > at(150.0, 240.0) + 5.0, "white is at the left");
         let share = (at(50.0, 13.0) - at(50.0, 243.0)).exp();
@@ -269,9 +268,9 @@ mod tests {
 
     #[test]
     fn one_colour_is_a_component_and_nothing_is_none() {
-        let mixture = Mixture::fit(&[[7.0; 5]; 50], 5, [1.0; 5]).expect("samples");
+        let mixture = Mixture::fit(&[[7.0; 5]; 50], 5, [1.0; 5], 0.01).expect("samples");
         assert_eq!(mixture.components.len(), 1);
         assert!(mixture.log_colour_at_place(&[7.0; 5]) > mixture.log_colour_at_place(&[7.0, 7.0, 9.0, 9.0, 9.0]));
-        assert!(Mixture::fit(&[], 5, [1.0; 5]).is_none());
+        assert!(Mixture::fit(&[], 5, [1.0; 5], 0.01).is_none());
     }
 }

@@ -23,7 +23,7 @@ pub struct Parameters {
 
 impl Default for Parameters {
     fn default() -> Self {
-        Self { components: 10, rounds: 4, smoothness: 5.0, colour: 0.5, shape: 1.0, place: 120.0, memory: 12.0 }
+        Self { components: 5, rounds: 4, smoothness: 4.0, colour: 1.0, shape: 1.0, place: 80.0, memory: 12.0 }
     }
 }
 

@@ -60,26 +60,27 @@ struct Knowledge {
 }
 
 impl GrabCut {
-    /// One mask a frame, one byte a pixel, 1 on the creature. `go_on` is told how much is done (0..=1), from any
-    /// thread, at least every 100 ms; `false` cancels.
+    /// Gives `put` one mask a frame, one byte a pixel, 255 on the creature and 0 elsewhere, in no order and from any
+    /// thread. `go_on` is told how much is done (0..=1), from any thread, at least every 100 ms; `false` cancels.
     ///
     /// # Errors
     /// Sizes that do not agree, a limb without points or with a number that is not finite, a parameter outside its
-    /// range, a frame that cannot be had, or a cancel.
+    /// range, a frame that cannot be had or a mask that `put` does not take, or a cancel.
     pub fn segment(
         &self,
         footage: &Footage<'_>,
+        put: &(dyn Fn(usize, Vec<u8>) -> Result<(), String> + Sync),
         go_on: &(dyn Fn(f64) -> bool + Sync),
-    ) -> Result<Vec<Vec<u8>>, Error> {
+    ) -> Result<(), Error> {
         self.parameters.check()?;
         check(footage)?;
         if footage.poses.is_empty() {
-            return Ok(Vec::new());
+            return Ok(());
         }
         let work = Work::new(&self.parameters, footage, go_on);
         let mut lessons = work.lessons()?;
         let knowledge = work.learn(&mut lessons)?;
-        work.cut_all(&lessons, &knowledge)
+        work.cut_all(&lessons, &knowledge, put)
     }
 }
 
@@ -372,17 +373,23 @@ impl<'a> Work<'a> {
         inside.collect()
     }
 
-    fn cut_all(&self, lessons: &[Lesson], knowledge: &Knowledge) -> Result<Vec<Vec<u8>>, Error> {
+    fn cut_all(
+        &self,
+        lessons: &[Lesson],
+        knowledge: &Knowledge,
+        put: &(dyn Fn(usize, Vec<u8>) -> Result<(), String> + Sync),
+    ) -> Result<(), Error> {
         let n = self.footage.poses.len();
         (0..n)
             .into_par_iter()
-            .map(|frame| {
+            .map(|frame| -> Result<(), Error> {
                 self.at(0.7 + 0.3 * frame as f64 / n as f64)?;
                 let picture = self.picture(frame)?;
                 let view = self.view(frame, &picture, &knowledge.radius);
                 let occupancy = self.occupancy(lessons, frame);
                 let labels = self.cut_view(&view, frame, knowledge, Some(&occupancy))?;
-                self.sharpen(&view, frame, &picture, &labels, knowledge, &occupancy)
+                let mask = self.sharpen(&view, frame, &picture, &labels, knowledge, &occupancy)?;
+                put(frame, mask).map_err(|problem| Error::Frame { frame, problem })
             })
             .collect()
     }
@@ -430,13 +437,13 @@ impl<'a> Work<'a> {
         };
         for y in 0..high {
             for x in 0..wide {
-                mask[(y + w.top * w.factor) * self.size.0 + x + w.left * w.factor] = u8::from(fine[y * wide + x]);
+                mask[(y + w.top * w.factor) * self.size.0 + x + w.left * w.factor] = 255 * u8::from(fine[y * wide + x]);
             }
         }
         if let Some(known) = known {
             for (m, k) in mask.iter_mut().zip(known) {
                 match k {
-                    Known::Creature => *m = 1,
+                    Known::Creature => *m = 255,
                     Known::Background => *m = 0,
                     Known::Nothing => {}
                 }
