@@ -70,8 +70,14 @@ impl<T> Guard<T> {
         if self.poisoned {
             return Err(Error::new(ErrorKind::Poisoned, "it panicked before, and is given no more work"));
         }
-        let result = contain(|| work(&mut self.value));
-        self.poisoned = matches!(&result, Err(e) if e.kind() == ErrorKind::Panicked);
+        // Judged by whether it returned: an error that tells of another object's panic is no panic of this one.
+        let mut returned = false;
+        let result = contain(|| {
+            let result = work(&mut self.value);
+            returned = true;
+            result
+        });
+        self.poisoned = !returned;
         result
     }
 }
