@@ -68,6 +68,18 @@ pub enum Error {
         /// How much was asked for.
         bytes: usize,
     },
+    /// Something that the engine was given to work with failed: a tracker, segmenter or deformer from outside.
+    #[error("{what}: {problem}; {remedy}")]
+    Helper {
+        /// Who failed.
+        what: String,
+        /// How.
+        problem: String,
+        /// What to do.
+        remedy: String,
+        /// What whoever brought the helper calls this failure; the engine only passes it on.
+        code: i32,
+    },
     /// The caller cancelled.
     #[error("cancelled")]
     Cancelled,
@@ -96,7 +108,7 @@ impl Error {
     pub fn category(&self) -> Category {
         match self {
             Self::Io { source, .. } if source.kind() == std::io::ErrorKind::NotFound => Category::BadInput,
-            Self::Io { .. } => Category::Failed,
+            Self::Io { .. } | Self::Helper { .. } => Category::Failed,
             Self::File { .. } | Self::Invalid { .. } => Category::BadInput,
             Self::Limit { .. } | Self::Memory { .. } => Category::Limit,
             Self::Cancelled => Category::Cancelled,

@@ -1,0 +1,526 @@
+//! All plugins of a host: what was found, what is loaded, what was chosen, what failed and why.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::mpsc::channel;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Instant;
+
+use crate::describe::{PluginInfo, PluginKind};
+use crate::discover::{self, Candidate};
+use crate::door::{DoorKind, Opened};
+use crate::elf::{self, Flaw};
+use crate::generation::Generation;
+use crate::library;
+use crate::options::{LogLevel, Options};
+use crate::probe::{self, ProbeMode};
+use crate::quarantine::Quarantine;
+use crate::refusal::{Refusal, Status};
+use crate::slot::{Policy, Slot};
+use crate::stable::{self, Build, CopyFolder, Fingerprint};
+use crate::values::{self, Chosen, Value};
+
+/// All plugins of a host. Clones are the same registry; threads may share it.
+#[derive(Clone)]
+pub struct Registry(Arc<Inner>);
+
+impl std::fmt::Debug for Registry {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Registry").field("options", &self.0.options).finish_non_exhaustive()
+    }
+}
+
+/// What a look at a file came to.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Rescan {
+    /// The file, or a new build of it, is loaded as this build, with these plugins.
+    Loaded {
+        /// The file.
+        file: PathBuf,
+        /// The number of the build.
+        generation: u64,
+        /// What is inside.
+        plugins: Vec<String>,
+    },
+    /// The file is not there any more. What was loaded from it stays with those who use it.
+    Gone {
+        /// The file.
+        file: PathBuf,
+    },
+    /// The file, or its new build, is not loaded. An older build of it stays.
+    Refused {
+        /// The file.
+        file: PathBuf,
+        /// Why.
+        refusal: Refusal,
+    },
+}
+
+/// A plugin that is loaded.
+#[derive(Clone, Debug)]
+pub struct Listed {
+    /// What it says of itself.
+    pub info: PluginInfo,
+    /// The file it came from.
+    pub file: PathBuf,
+    /// By which door.
+    pub door: DoorKind,
+    /// The number of the newest build.
+    pub generation: u64,
+    /// How many instances there are, of all builds.
+    pub instances: usize,
+    /// Why it is switched off, where it is.
+    pub disabled: Option<String>,
+}
+
+/// What the registry's clones and slots share.
+pub(crate) struct Inner {
+    pub(crate) options: Options,
+    copies: CopyFolder,
+    quarantine: Quarantine,
+    /// One file is loaded at a time.
+    loading: Mutex<()>,
+    state: Mutex<State>,
+}
+
+#[derive(Default)]
+struct State {
+    files: BTreeMap<PathBuf, FileState>,
+    plugins: BTreeMap<String, Known>,
+    generations: Vec<Arc<Generation>>,
+    left: Vec<Left>,
+}
+
+#[derive(Default)]
+struct FileState {
+    /// Of the build that was looked at last.
+    fingerprint: Option<Fingerprint>,
+    hash: Option<String>,
+    /// Why that build is not loaded, where it is not.
+    refusal: Option<Refusal>,
+}
+
+struct Known {
+    current: Arc<Generation>,
+    index: usize,
+    chosen: Chosen,
+    revision: u64,
+    disabled: Option<String>,
+}
+
+/// An instance that did not stop at a cancel.
+struct Left {
+    id: String,
+    generation: Arc<Generation>,
+    since: Instant,
+    ended: Arc<AtomicBool>,
+}
+
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+fn unknown(id: &str) -> Refusal {
+    let remedy = "`marey plugin list` shows what there is";
+    Refusal::new(Status::NotFound, format!("plugin {id}"), "is not loaded", remedy)
+}
+
+impl Registry {
+    /// A registry without plugins; [`Self::rescan`] looks for them.
+    ///
+    /// # Errors
+    /// The cache folder cannot be written.
+    pub fn new(options: Options) -> Result<Self, Refusal> {
+        let copies = CopyFolder::new(&options.cache)?;
+        let quarantine = Quarantine::new(&options.cache, options.strikes);
+        Ok(Self(Arc::new(Inner { options, copies, quarantine, loading: Mutex::new(()), state: Mutex::default() })))
+    }
+
+    /// Looks through the folders: loads what is new and new builds of what is known, and says what changed. A file
+    /// that has not changed since it was refused is not mentioned again.
+    pub fn rescan(&self) -> Vec<Rescan> {
+        let found = discover::discover(&self.0.options.folders);
+        let mut changes = Vec::new();
+        let mut present = Vec::new();
+        for candidate in found {
+            match candidate {
+                Ok(candidate) => {
+                    present.push(candidate.file.clone());
+                    changes.extend(self.0.look(&candidate));
+                }
+                Err(refusal) => {
+                    let file = PathBuf::from(&refusal.what);
+                    present.push(file.clone());
+                    changes.extend(self.0.refused(&file, refusal));
+                }
+            }
+        }
+        // Files that were named, and those of folders that are not looked in, are not missed.
+        let folders: Vec<PathBuf> = self.0.options.folders.iter().filter_map(|f| f.canonicalize().ok()).collect();
+        let mut state = lock(&self.0.state);
+        let files: Vec<PathBuf> = state.files.keys().cloned().collect();
+        for file in files {
+            if !present.contains(&file) && folders.iter().any(|f| file.starts_with(f)) {
+                state.files.remove(&file);
+                state.plugins.retain(|_, known| known.current.file != file);
+                changes.push(Rescan::Gone { file });
+            }
+        }
+        changes
+    }
+
+    /// Loads a library or a bundle by its name; one that is loaded already is looked at again.
+    ///
+    /// # Errors
+    /// It is not loaded, for this reason.
+    pub fn load(&self, path: &Path) -> Result<Vec<String>, Refusal> {
+        let candidate = discover::named(path)?;
+        match self.0.look(&candidate) {
+            Some(Rescan::Refused { refusal, .. }) => return Err(refusal),
+            Some(Rescan::Loaded { plugins, .. }) => return Ok(plugins),
+            Some(Rescan::Gone { .. }) | None => {}
+        }
+        let state = lock(&self.0.state);
+        if let Some(refusal) = state.files.get(&candidate.file).and_then(|f| f.refusal.clone()) {
+            return Err(refusal);
+        }
+        let of_file = state.plugins.iter().filter(|(_, known)| known.current.file == candidate.file);
+        Ok(of_file.map(|(id, _)| id.clone()).collect())
+    }
+
+    /// The plugins that are loaded, by their ids.
+    pub fn plugins(&self) -> Vec<Listed> {
+        let state = lock(&self.0.state);
+        let instances = |id: &str| {
+            let of = |g: &&Arc<Generation>| g.plugins.iter().any(|p| p.id == id);
+            state.generations.iter().filter(of).map(|g| g.count()).sum()
+        };
+        let listed = state.plugins.iter().map(|(id, known)| Listed {
+            info: known.current.plugins[known.index].clone(),
+            file: known.current.file.clone(),
+            door: known.current.kind,
+            generation: known.current.number,
+            instances: instances(id),
+            disabled: known.disabled.clone(),
+        });
+        listed.collect()
+    }
+
+    /// The files whose newest build is not loaded, and why.
+    pub fn failures(&self) -> Vec<(PathBuf, Refusal)> {
+        let state = lock(&self.0.state);
+        state.files.iter().filter_map(|(file, f)| Some((file.clone(), f.refusal.clone()?))).collect()
+    }
+
+    /// How many builds are loaded that nobody uses any more, and the bytes of their files. They stay loaded.
+    pub fn retired(&self) -> (usize, u64) {
+        let state = lock(&self.0.state);
+        let current = |g: &Arc<Generation>| state.plugins.values().any(|k| Arc::ptr_eq(&k.current, g));
+        let retired = state.generations.iter().filter(|g| g.count() == 0 && !current(g));
+        retired.fold((0, 0), |(count, bytes), g| (count + 1, bytes + g.bytes))
+    }
+
+    /// A place for the plugin `id` to work in.
+    ///
+    /// # Errors
+    /// There is no such plugin, it is of another kind, or it is switched off.
+    pub fn slot(&self, id: &str, kind: PluginKind, policy: Policy) -> Result<Slot, Refusal> {
+        self.0.current(id, kind)?;
+        Ok(Slot::new(self.0.clone(), id, kind, policy))
+    }
+
+    /// Chooses a parameter's value, for instances that are made from now on.
+    ///
+    /// # Errors
+    /// There is no such plugin or parameter, or it does not take the value.
+    pub fn choose(&self, id: &str, parameter: &str, value: Value) -> Result<(), Refusal> {
+        let mut state = lock(&self.0.state);
+        let known = state.plugins.get_mut(id).ok_or_else(|| unknown(id))?;
+        values::check(&known.current.plugins[known.index], parameter, &value)?;
+        if known.chosen.get(parameter) != Some(&value) {
+            known.chosen.insert(parameter.to_owned(), value);
+            known.revision += 1;
+        }
+        Ok(())
+    }
+
+    /// A parameter's value: what was chosen, or the default.
+    ///
+    /// # Errors
+    /// There is no such plugin or parameter.
+    pub fn value(&self, id: &str, parameter: &str) -> Result<Value, Refusal> {
+        let state = lock(&self.0.state);
+        let known = state.plugins.get(id).ok_or_else(|| unknown(id))?;
+        let all = values::complete(&known.current.plugins[known.index], &known.chosen);
+        let found = all.into_iter().find(|(name, _)| name == parameter).map(|(_, value)| value);
+        found.ok_or_else(|| {
+            let what = format!("parameter `{parameter}` of {id}");
+            Refusal::new(Status::NotFound, what, "is not known", "see what the plugin declares")
+        })
+    }
+
+    /// Switches a plugin off, or on again: also one that hung. Slots that are at work are not disturbed.
+    ///
+    /// # Errors
+    /// There is no such plugin.
+    pub fn set_enabled(&self, id: &str, enabled: bool) -> Result<(), Refusal> {
+        let mut state = lock(&self.0.state);
+        let known = state.plugins.get_mut(id).ok_or_else(|| unknown(id))?;
+        known.disabled = (!enabled).then(|| "switched off by the user".to_owned());
+        Ok(())
+    }
+
+    /// Takes a file out of quarantine, and tries it again at the next look.
+    pub fn retry(&self, file: &Path) {
+        let mut state = lock(&self.0.state);
+        let full = file.canonicalize().unwrap_or_else(|_| file.to_owned());
+        if let Some(known) = state.files.get_mut(&full) {
+            if let Some(hash) = known.hash.take() {
+                self.0.quarantine.forgive(&hash);
+            }
+            known.fingerprint = None;
+        }
+    }
+}
+
+impl Inner {
+    /// The newest build of a plugin that may be used: its place, what was chosen, and how often.
+    pub(crate) fn current(&self, id: &str, kind: PluginKind) -> Result<(Arc<Generation>, usize, Chosen, u64), Refusal> {
+        self.judge_left();
+        let state = lock(&self.state);
+        let known = state.plugins.get(id).ok_or_else(|| unknown(id))?;
+        let what = format!("plugin {id}");
+        let own = known.current.plugins[known.index].kind;
+        if own != kind {
+            let (own, kind) = (format!("{own:?}").to_lowercase(), format!("{kind:?}").to_lowercase());
+            return Err(Refusal::new(Status::NotFound, what, format!("is a {own}, not a {kind}"), "choose another"));
+        }
+        if let Some(why) = &known.disabled {
+            return Err(Refusal::new(Status::Disabled, what, format!("is off: {why}"), "choose another, or enable it"));
+        }
+        Ok((known.current.clone(), known.index, known.chosen.clone(), known.revision))
+    }
+
+    /// Notes a failure of a build at work; `off` switches the plugin off until the host is started again.
+    pub(crate) fn strike(&self, id: &str, generation: &Generation, what: &str, off: bool) {
+        let strikes = self.quarantine.strike(&generation.hash, what);
+        let limit = self.options.strikes;
+        (self.options.log)(LogLevel::PluginMisbehaving, &format!("plugin {id}: {what} (strike {strikes} of {limit})"));
+        let mut state = lock(&self.state);
+        if let Some(known) = state.plugins.get_mut(id)
+            && known.current.number == generation.number
+            && (off || strikes >= limit)
+        {
+            known.disabled = Some(format!("it failed {strikes} times, the last time: {what}"));
+        }
+    }
+
+    /// Remembers an instance that did not stop at a cancel.
+    pub(crate) fn leave(&self, id: &str, generation: &Arc<Generation>, ended: Arc<AtomicBool>) {
+        let left = Left { id: id.to_owned(), generation: generation.clone(), since: Instant::now(), ended };
+        lock(&self.state).left.push(left);
+    }
+
+    /// Strikes the plugins whose instances never stopped after a cancel.
+    fn judge_left(&self) {
+        let mut late = Vec::new();
+        lock(&self.state).left.retain(|left| {
+            if left.ended.load(Ordering::Acquire) {
+                return false;
+            }
+            let over = left.since.elapsed() >= self.options.silence;
+            if over {
+                late.push((left.id.clone(), left.generation.clone()));
+            }
+            !over
+        });
+        for (id, generation) in late {
+            self.strike(&id, &generation, "did not stop when it was cancelled", true);
+        }
+    }
+
+    fn refused(&self, file: &Path, refusal: Refusal) -> Option<Rescan> {
+        let mut state = lock(&self.state);
+        let known = state.files.entry(file.to_owned()).or_default();
+        if known.refusal.as_ref() == Some(&refusal) {
+            return None;
+        }
+        (self.options.log)(LogLevel::Warning, &refusal.to_string());
+        known.refusal = Some(refusal.clone());
+        Some(Rescan::Refused { file: file.to_owned(), refusal })
+    }
+
+    /// Looks at a file; [`None`] where nothing about it is new.
+    fn look(&self, candidate: &Candidate) -> Option<Rescan> {
+        let _one = lock(&self.loading);
+        let file = &candidate.file;
+        let fingerprint = match Fingerprint::of(file) {
+            Ok(fingerprint) => fingerprint,
+            Err(refusal) => return self.refused(file, refusal),
+        };
+        if lock(&self.state).files.get(file).is_some_and(|f| f.fingerprint.as_ref() == Some(&fingerprint)) {
+            return None;
+        }
+        let build = match stable::read(file, self.options.settle) {
+            Ok(build) => build,
+            Err(refusal) => return self.refused(file, refusal),
+        };
+        {
+            let mut state = lock(&self.state);
+            let known = state.files.entry(file.clone()).or_default();
+            known.fingerprint = Some(build.fingerprint.clone());
+            if known.hash.as_ref() == Some(&build.hash) {
+                return None;
+            }
+            known.hash = Some(build.hash.clone());
+        }
+        match self.load(candidate, &build) {
+            Ok(generation) => {
+                let plugins: Vec<String> = generation.plugins.iter().map(|p| p.id.clone()).collect();
+                let number = generation.number;
+                self.publish(&generation);
+                let line = format!("{}: loaded as build {number}: {}", file.display(), plugins.join(", "));
+                (self.options.log)(LogLevel::Info, &line);
+                Some(Rescan::Loaded { file: file.clone(), generation: number, plugins })
+            }
+            Err(refusal) => {
+                if matches!(refusal.status, Status::Crashed | Status::Timeout | Status::Panicked) {
+                    self.quarantine.strike(&build.hash, &refusal.problem);
+                }
+                // Quarantine may end, and a copy may succeed, without any change of the file.
+                if matches!(refusal.status, Status::Copy | Status::Generations)
+                    && let Some(known) = lock(&self.state).files.get_mut(file)
+                {
+                    (known.fingerprint, known.hash) = (None, None);
+                }
+                self.refused(file, refusal)
+            }
+        }
+    }
+
+    /// The steps from a file's bytes to a build that can be used. Nothing of it runs before it was looked at.
+    fn load(&self, candidate: &Candidate, build: &Build) -> Result<Arc<Generation>, Refusal> {
+        let file = &candidate.file;
+        if let Some(expected) = &candidate.sha256
+            && *expected != build.hash
+        {
+            let remedy = "install the bundle again, or leave sha256 out of plugin.json while you write it";
+            return Err(Refusal::file(Status::Hash, file, "is not the file that its plugin.json describes", remedy));
+        }
+        elf::check(&build.bytes).map_err(|flaw| match flaw {
+            Flaw::Truncated(what) => {
+                Refusal::file(Status::Truncated, file, format!("is cut off: {what}"), "get it again")
+            }
+            Flaw::Format(what) => {
+                let remedy = "name a library built for this machine";
+                Refusal::file(Status::Format, file, format!("is no plugin: {what}"), remedy)
+            }
+        })?;
+        self.quarantine.check(file, &build.hash)?;
+        let number = {
+            let state = lock(&self.state);
+            let count = state.generations.len();
+            if count >= self.options.max_generations {
+                let remedy = "start the program again: what is loaded cannot be unloaded";
+                return Err(Refusal::file(Status::Generations, file, format!("{count} builds are loaded"), remedy));
+            }
+            state.generations.last().map_or(1, |g| g.number + 1)
+        };
+        let copy = self.copies.copy(build, number)?;
+        let loaded = self.load_copy(candidate, build, &copy, number);
+        // What is mapped stays mapped; the name is never used again.
+        let _ = std::fs::remove_file(&copy);
+        loaded
+    }
+
+    fn load_copy(
+        &self,
+        candidate: &Candidate,
+        build: &Build,
+        copy: &Path,
+        number: u64,
+    ) -> Result<Arc<Generation>, Refusal> {
+        let file = &candidate.file;
+        let deadline = self.options.load_deadline;
+        if let Some(program) = &self.options.probe {
+            probe::run(program, ProbeMode::Load, copy, file, deadline)?;
+        }
+        let _note = self.quarantine.loading(&build.hash);
+        // On a thread of its own, so that a library that hangs while it starts does not take the host's thread.
+        let (done, wait) = channel();
+        let (own_copy, own_file, log) = (copy.to_owned(), file.clone(), self.options.log.clone());
+        let name = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let line = move |level: i32, line: &str| {
+            let level = match level {
+                marey_plugin::raw::LOG_ERROR => LogLevel::Error,
+                marey_plugin::raw::LOG_WARNING => LogLevel::Warning,
+                _ => LogLevel::Info,
+            };
+            log(level, &format!("{name}: {line}"));
+        };
+        let run = move || {
+            let opened = library::open(&own_copy, &own_file, Box::new(line));
+            let tried = opened.and_then(|opened| library::smoke(&opened, &own_file).map(|()| opened));
+            let _ = done.send(tried);
+        };
+        let cannot = |e: std::io::Error| {
+            Refusal::file(Status::Copy, file, format!("no thread can be started: {e}"), "close other programs")
+        };
+        std::thread::Builder::new().name("plugin loading".to_owned()).spawn(run).map_err(cannot)?;
+        let opened: Opened = wait.recv_timeout(deadline).unwrap_or_else(|_| {
+            let problem = format!("was not loaded after {:.0} s", deadline.as_secs_f64());
+            Err(Refusal::file(Status::Timeout, file, problem, "tell its author"))
+        })?;
+        if let Some(id) = &candidate.id
+            && !opened.plugins.iter().any(|p| p.id == *id)
+        {
+            let problem = format!("holds no plugin `{id}`, which its plugin.json names");
+            return Err(Refusal::file(Status::Descriptor, file, problem, "make the two agree"));
+        }
+        {
+            let state = lock(&self.state);
+            for plugin in &opened.plugins {
+                if let Some(known) = state.plugins.get(&plugin.id)
+                    && known.current.file != *file
+                {
+                    let problem = format!("`{}` is loaded already, from {}", plugin.id, known.current.file.display());
+                    return Err(Refusal::file(Status::Descriptor, file, problem, "remove one of the two"));
+                }
+            }
+        }
+        Ok(Arc::new(Generation {
+            number,
+            file: file.clone(),
+            hash: build.hash.clone(),
+            bytes: build.bytes.len() as u64,
+            door: opened.door,
+            kind: opened.kind,
+            plugins: opened.plugins,
+            instances: AtomicUsize::new(0),
+            stages: Mutex::default(),
+        }))
+    }
+
+    /// Makes a build the newest of its plugins, all at once.
+    fn publish(&self, generation: &Arc<Generation>) {
+        let mut state = lock(&self.state);
+        state.generations.push(generation.clone());
+        if let Some(known) = state.files.get_mut(&generation.file) {
+            known.refusal = None;
+        }
+        let ids: Vec<&str> = generation.plugins.iter().map(|p| p.id.as_str()).collect();
+        state.plugins.retain(|id, known| known.current.file != generation.file || ids.contains(&id.as_str()));
+        for (index, plugin) in generation.plugins.iter().enumerate() {
+            let current = generation.clone();
+            match state.plugins.get_mut(&plugin.id) {
+                // A new build starts afresh; what the user chose stays.
+                Some(known) => (known.current, known.index, known.disabled) = (current, index, None),
+                None => {
+                    let known = Known { current, index, chosen: Chosen::new(), revision: 0, disabled: None };
+                    state.plugins.insert(plugin.id.clone(), known);
+                }
+            }
+        }
+    }
+}
