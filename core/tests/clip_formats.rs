@@ -21,7 +21,7 @@ fn open(name: &str) -> Clip {
     Clip::open_with(fixture(name), &options).unwrap_or_else(|e| panic!("{e}"))
 }
 
-fn frame(clip: &Clip, index: usize) -> std::sync::Arc<Picture> {
+fn frame(clip: &Clip, index: usize) -> Arc<Picture> {
     clip.frame(index).unwrap_or_else(|e| panic!("{e}"))
 }
 

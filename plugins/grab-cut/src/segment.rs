@@ -308,14 +308,7 @@ impl<'a> Work<'a> {
     }
 
     /// What is known of one pixel.
-    fn say(
-        &self,
-        view: &View,
-        index: usize,
-        colour: [u8; 3],
-        models: &Models,
-        occupancy: Option<&Occupancy>,
-    ) -> Say {
+    fn say(&self, view: &View, index: usize, colour: [u8; 3], models: &Models, occupancy: Option<&Occupancy>) -> Say {
         match view.known(index) {
             Known::Creature => return Say::Fixed(true),
             Known::Background => return Say::Fixed(false),

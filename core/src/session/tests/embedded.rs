@@ -118,7 +118,7 @@ fn damage_and_names_that_lead_elsewhere_are_said_and_harm_nothing() {
 
     let record = |name: &str| {
         let data = serde_json::json!({"file": name, "of": 4, "at": 0, "base64": "ZXZpbA=="});
-        super::super::record::encode(&serde_json::json!({"section": "media", "data": data})).expect("a record")
+        record::encode(&serde_json::json!({"section": "media", "data": data})).expect("a record")
     };
     for name in
         ["../evil", "/tmp/evil", "clip/../../evil", "a/b", "clip/b/c/d", "", "clip", "clip/", "clip/.", "clip//x"]

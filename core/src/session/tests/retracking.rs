@@ -11,7 +11,14 @@ use crate::track::{Earlier, Tracker};
 
 /// Notes what it is asked for.
 #[derive(Default)]
-struct Noting(Mutex<Vec<Option<Vec<Vec<Range<usize>>>>>>);
+struct Noting(Mutex<Vec<Asked>>);
+
+/// The frames of every limb, or [`None`] for the whole clip.
+type Asked = Option<Vec<Vec<Range<usize>>>>;
+
+fn range(start: usize, end: usize) -> Vec<Range<usize>> {
+    vec![Range { start, end }]
+}
 
 fn still(rig: &Rig, frames: usize) -> Motion {
     let track = |limb: &crate::rig::Limb| Track {
@@ -59,10 +66,10 @@ fn only_what_is_out_of_date_is_asked_for() {
     assert_eq!(asked(&mut session), [None], "nothing is tracked yet");
     assert_eq!(asked(&mut session), [], "all is up to date");
     session.set_stroke(1, 20, bar(50.0), None).expect("a stroke");
-    assert_eq!(asked(&mut session), [Some(vec![vec![], vec![11..30]])]);
+    assert_eq!(asked(&mut session), [Some(vec![vec![], range(11, 30)])]);
     session.set_stroke(0, 35, bar(50.0), None).expect("a stroke");
     session.remove_stroke(1, 10).expect("no stroke");
-    assert_eq!(asked(&mut session), [Some(vec![vec![31..40], vec![1..20]])]);
+    assert_eq!(asked(&mut session), [Some(vec![range(31, 40), range(1, 20)])]);
     session.remove_limb(0).expect("no limb");
     assert_eq!(asked(&mut session), [Some(vec![vec![]])], "what is left holds");
     session.set_parameter("track.spacing", Some(Value::Number(12.0))).expect("a value");

@@ -265,7 +265,8 @@ fn solve_group(tasks: &mut [Task<'_>], claims: &Claims, ordered: bool, stage: St
         let front = if ordered && i > 0 { tasks.first().zip(solved.first()) } else { None };
         let alone = Group { first: Chain { lists: &lists[i], rest: &task.rest }, second: None, together: &[] };
         let costs = costs_through(&alone, tasks[0].params, finishing)?.through;
-        let (visible, confidence) = trust(task, &poses, &lists[i], &costs, &trusts[i], front, finishing)?;
+        let trust = trust(task, &poses, &lists[i], &costs, &trusts[i], front, finishing)?;
+        let (visible, confidence) = trust.into_iter().unzip();
         solved.push(Solved { poses, visible, confidence });
     }
     Ok(solved)
@@ -316,7 +317,7 @@ fn trust(
     trusts: &[Vec<f32>],
     front: Option<(&Task<'_>, &Solved)>,
     stage: Stage<'_>,
-) -> Result<(Vec<Vec<bool>>, Vec<Vec<f32>>)> {
+) -> Result<Vec<(Vec<bool>, Vec<f32>)>> {
     (0..poses.len())
         .into_par_iter()
         .map(|f| {

@@ -99,6 +99,10 @@ fn retrack(clip: &Clip, rig: &Rig, motion: &Motion, outdated: &[Vec<std::ops::Ra
     LimbTracker::default().retrack(clip, rig, earlier, Progress::new().whole()).expect("tracks")
 }
 
+fn range(start: usize, end: usize) -> Vec<std::ops::Range<usize>> {
+    vec![std::ops::Range { start, end }]
+}
+
 /// The frames of a track that differ.
 fn changed(a: &Motion, b: &Motion, name: &str) -> Vec<usize> {
     let frames = [a, b].map(|m| &m.track(name).expect("a track").frames);
@@ -112,7 +116,7 @@ fn an_edit_re_does_its_range_and_nothing_else() {
     wrong.keyframes[2].strokes[1].points.iter_mut().for_each(|p| p.x += 25.0);
     let before = track(&clip, &wrong);
     let right = rig_on(&[0, 4, 8, 12, 16]);
-    let after = retrack(&clip, &right, &before, &[vec![], vec![5..12]]);
+    let after = retrack(&clip, &right, &before, &[vec![], range(5, 12)]);
     after.validate().expect("a valid motion");
     assert_eq!(changed(&before, &after, "body"), [] as [usize; 0]);
     let moved = changed(&before, &after, "leg");
@@ -130,7 +134,7 @@ fn what_hangs_on_an_edited_limb_follows_it() {
     let before = track(&clip, &rig);
     let mut longer = rig.clone();
     longer.keyframes[1].strokes[0].points.iter_mut().for_each(|p| p.y += 6.0);
-    let after = retrack(&clip, &longer, &before, &[vec![1..8], vec![]]);
+    let after = retrack(&clip, &longer, &before, &[range(1, 8), vec![]]);
     let moved = changed(&before, &after, "leg");
     assert!(moved.iter().any(|f| (1..8).contains(f)) && moved.iter().all(|f| (1..8).contains(f)), "{moved:?}");
 }
@@ -146,5 +150,5 @@ fn nothing_out_of_date_is_nothing_done_and_a_strange_motion_is_no_help() {
     let mut stranger = whole.clone();
     stranger.tracks.clear();
     assert_eq!(retrack(&clip, &rig, &stranger, &[vec![], vec![]]), whole);
-    assert_eq!(retrack(&clip, &rig, &whole, &[vec![0..9], vec![7..3]]), whole);
+    assert_eq!(retrack(&clip, &rig, &whole, &[range(0, 9), range(7, 3)]), whole);
 }
