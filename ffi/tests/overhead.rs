@@ -1,5 +1,6 @@
 //! What a call costs beyond its work: the border's checks, the lookup of the object, the guard against panics.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+#![expect(clippy::print_stdout, reason = "the numbers are worth reading where the test is run for them")]
 
 mod common;
 
@@ -29,6 +30,9 @@ fn a_trivial_getter_costs_little() {
     let (mut threads, mut limbs) = (0, 0);
     let of_context = nanoseconds(|| unsafe { mry_context_get_threads(c, &mut threads, &mut err) });
     let of_object = nanoseconds(|| unsafe { mry_rig_get_limb_count(c, rig, &mut limbs, ptr::null_mut()) });
-    // 50 ns is the promise in the release build on a machine of its own.
-    assert!(of_context < 150.0 && of_object < 150.0, "context {of_context:.1} ns, object {of_object:.1} ns");
+    // 50 ns is the promise, in the release build on a machine of its own: `cargo xtask cancels` keeps it to that.
+    let most = if cfg!(debug_assertions) { 150.0 } else { 50.0 };
+    let said = format!("a getter of the context takes {of_context:.1} ns, one of an object {of_object:.1} ns");
+    println!("{said}");
+    assert!(of_context < most && of_object < most, "{said}");
 }

@@ -32,7 +32,8 @@ cargo xtask COMMAND
   docs               the C reference and articles in target/docs/html
   soak [CALLS [SEED]]
                      random calls on the C library under sanitizers, a million by default (release build)
-  cancels            how soon jobs end when cancelled, at a hundred moments (release build, quiet machine)
+  cancels            how soon jobs end when cancelled, at a hundred moments, and what a call costs (release build,
+                     quiet machine)
   measure DATA ...   the table of scores on a data folder (release build)
   retrack DATA ...   what a corrected stroke costs, on the same folder (release build)
   validate GLB ...   the Khronos glTF validator on files
