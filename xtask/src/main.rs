@@ -34,6 +34,8 @@ cargo xtask COMMAND
                      random calls on the C library under sanitizers, a million by default (release build)
   cancels            how soon jobs end when cancelled, at a hundred moments (release build, quiet machine)
   measure DATA ...   the table of scores on a data folder (release build)
+  alternatives DATA ...
+                     built-in trackers and segmenters beside the plugins that ship (release build)
   validate GLB ...   the Khronos glTF validator on files
 ";
 
@@ -47,6 +49,7 @@ fn main() -> Result<()> {
         "test" => test::run(),
         "check" => check::run(),
         "measure" => measure::run(rest),
+        "alternatives" => measure::alternatives(rest),
         "header" => header::run(rest),
         "library" => library::run(rest),
         "install" => library::install(rest),

@@ -109,7 +109,9 @@ fn search(a: &Level, b: &Level, coarse: Option<&Grid>, go_on: &dyn Fn() -> bool)
                 let (x, y) = ((column / 2).min(coarse.columns - 1), (row / 2).min(coarse.rows - 1));
                 let mut best = f32::INFINITY;
                 // The coarse patches on both sides: at an edge one of them moved as this does.
-                for (dx, dy) in [(0, 0), (if column % 2 == 0 { -1 } else { 1 }, 0), (0, if row % 2 == 0 { -1 } else { 1 })] {
+                for (dx, dy) in
+                    [(0, 0), (if column % 2 == 0 { -1 } else { 1 }, 0), (0, if row % 2 == 0 { -1 } else { 1 })]
+                {
                     let cx = (x as isize + dx).clamp(0, coarse.columns as isize - 1) as usize;
                     let cy = (y as isize + dy).clamp(0, coarse.rows as isize - 1) as usize;
                     let start = 2.0 * coarse.motions[cy * coarse.columns + cx];

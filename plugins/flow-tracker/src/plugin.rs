@@ -1,8 +1,10 @@
 //! The tracker as a plugin.
 
 use glam::Vec2;
-use marey_plugin::{Clip, Error as PluginError, Info, Job, Parameter, Plugin, Point, Result, Rig, Tracker, Tracks, Values};
 use marey_plugin::marey_plugin;
+use marey_plugin::{
+    Clip, Error as PluginError, Info, Job, Parameter, Plugin, Point, Result, Rig, Tracker, Tracks, Values,
+};
 
 use crate::{Error, FlowTracker, Footage, Limb, Parameters, Stroke};
 
@@ -13,12 +15,13 @@ pub struct FlowPlugin {
 }
 
 impl Plugin for FlowPlugin {
-    const INFO: Info = Info::new("marey.flow-tracker", "Dense flow", env!("CARGO_PKG_VERSION"))
-        .about("Follows strokes by dense flow, held to how they looked on key frames. Best where surfaces are textured.");
+    const INFO: Info = Info::new("marey.flow-tracker", "Dense flow", env!("CARGO_PKG_VERSION")).about(
+        "Follows strokes by dense flow, held to how they looked on key frames. Best where surfaces are textured.",
+    );
     const PARAMETERS: &'static [Parameter] = &[
-        Parameter::number("width", "Band", 0.0, 0.5, 0.04)
-            .step(0.01)
-            .about("Half the width of the band around a stroke whose motion counts, as a share of the stroke's length."),
+        Parameter::number("width", "Band", 0.0, 0.5, 0.04).step(0.01).about(
+            "Half the width of the band around a stroke whose motion counts, as a share of the stroke's length.",
+        ),
         Parameter::number("disagreement", "Disagreement", 0.1, 20.0, 1.0)
             .unit("px")
             .logarithmic()

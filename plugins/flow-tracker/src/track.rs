@@ -37,11 +37,7 @@ impl FlowTracker {
     /// # Errors
     /// A limb without strokes, strokes that do not agree, a number that is not finite, a parameter outside its range, a
     /// frame that cannot be had, or a cancel.
-    pub fn track(
-        &self,
-        footage: &Footage<'_>,
-        go_on: &(dyn Fn(f64) -> bool + Sync),
-    ) -> Result<Vec<Vec<Pose>>, Error> {
+    pub fn track(&self, footage: &Footage<'_>, go_on: &(dyn Fn(f64) -> bool + Sync)) -> Result<Vec<Vec<Pose>>, Error> {
         self.parameters.check()?;
         check(footage)?;
         if footage.limbs.is_empty() || footage.count == 0 {

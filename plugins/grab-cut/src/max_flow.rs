@@ -147,8 +147,7 @@ impl MaxFlow {
         let me = self.nodes[node];
         for arc in 0..ARCS {
             let other = self.across(node, arc);
-            let left =
-                if me.tree == Tree::Source { me.residual[arc] } else { self.nodes[other].residual[arc ^ 1] };
+            let left = if me.tree == Tree::Source { me.residual[arc] } else { self.nodes[other].residual[arc ^ 1] };
             if left == 0 {
                 continue;
             }

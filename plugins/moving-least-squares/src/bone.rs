@@ -28,11 +28,8 @@ pub(crate) fn moments(root: DVec2, tip: DVec2, v: DVec2, falloff: Falloff) -> Mo
     let h = along.perp_dot(v - root).abs();
     let (x0, x1) = (-foot, length - foot);
     let beyond = if x0 > 0.0 { x0 } else { -x1 };
-    let [i0, i1, i2] = if beyond > 0.0 && h < ON_LINE * beyond {
-        beyond_the_end(x0, x1, falloff)
-    } else {
-        beside(x0, x1, h, falloff)
-    };
+    let [i0, i1, i2] =
+        if beyond > 0.0 && h < ON_LINE * beyond { beyond_the_end(x0, x1, falloff) } else { beside(x0, x1, h, falloff) };
     // t = (x + foot) / length
     let first = (i1 + foot * i0) / length;
     let second = (i2 + 2.0 * foot * i1 + foot * foot * i0) / (length * length);
@@ -48,11 +45,7 @@ fn beside(x0: f64, x1: f64, h: f64, falloff: Falloff) -> [f64; 3] {
         Falloff::Gentle => [angle / h, 0.5 * (r1 / r0).ln(), (x1 - x0) - h * angle],
         Falloff::Steep => {
             let share = x1 / r1 - x0 / r0;
-            [
-                (share + angle / h) / (2.0 * h2),
-                0.5 * (1.0 / r0 - 1.0 / r1),
-                0.5 * (angle / h - share),
-            ]
+            [(share + angle / h) / (2.0 * h2), 0.5 * (1.0 / r0 - 1.0 / r1), 0.5 * (angle / h - share)]
         }
     }
 }
@@ -93,7 +86,8 @@ mod tests {
         let (root, tip) = (dvec2(10.0, 20.0), dvec2(90.0, -5.0));
         let on = |t: f64, off: f64| root.lerp(tip, t) + (tip - root).normalize().perp() * off;
         for (falloff, power) in [(Falloff::Gentle, 1), (Falloff::Steep, 2)] {
-            for (t, off) in [(0.5, 3.0), (0.1, -20.0), (-0.7, 0.05), (1.4, 0.0), (1.4, 0.04), (3.0, 100.0), (-0.2, 1.0)] {
+            for (t, off) in [(0.5, 3.0), (0.1, -20.0), (-0.7, 0.05), (1.4, 0.0), (1.4, 0.04), (3.0, 100.0), (-0.2, 1.0)]
+            {
                 let v = on(t, off);
                 let (found, truth) = (moments(root, tip, v, falloff), by_sums(root, tip, v, power));
                 for (f, e) in [(found.root, truth.root), (found.mixed, truth.mixed), (found.tip, truth.tip)] {

@@ -87,8 +87,7 @@ impl Deformation {
     ) -> Result<Self, Error> {
         check(points, triangles, handles)?;
         let exact: Vec<DVec2> = points.iter().map(|p| p.as_dvec2()).collect();
-        let (low, high) =
-            exact.iter().fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(l, h), p| (l.min(*p), h.max(*p)));
+        let (low, high) = exact.iter().fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(l, h), p| (l.min(*p), h.max(*p)));
         let size = (high - low).length().max(1e-6);
         let bones: Vec<Bone> = handles.iter().map(|h| Bone::new(*h, ON_HANDLE * size)).collect();
         let detours = if settings.inside && !triangles.is_empty() {

@@ -14,7 +14,9 @@ pub struct MovingLeastSquares {
 
 impl Plugin for MovingLeastSquares {
     const INFO: Info = Info::new("marey.moving-least-squares", "Moving least squares", env!("CARGO_PKG_VERSION"))
-        .about("Rigid moving least squares by points and bones. No iterations: the shape depends on the handles alone.");
+        .about(
+            "Rigid moving least squares by points and bones. No iterations: the shape depends on the handles alone.",
+        );
     const PARAMETERS: &'static [Parameter] = &[
         Parameter::choice("falloff", "Falloff", &["gentle", "steep"], 1)
             .about("How fast a handle's pull falls with distance: by its square, or by its fourth power."),
@@ -90,8 +92,7 @@ mod tests {
 
     #[test]
     fn bends_a_bar_through_the_door() {
-        let points: Vec<Point> =
-            (0..33).map(|i| Point::new((i % 11) as f32 * 10.0, (i / 11) as f32 * 10.0)).collect();
+        let points: Vec<Point> = (0..33).map(|i| Point::new((i % 11) as f32 * 10.0, (i / 11) as f32 * 10.0)).collect();
         let triangles: Vec<[u32; 3]> = (0..2u32)
             .flat_map(|r| (0..10).map(move |c| r * 11 + c))
             .flat_map(|i| [[i, i + 1, i + 12], [i, i + 12, i + 11]])

@@ -44,7 +44,10 @@ fn handles() -> impl Strategy<Value = Vec<Handle>> {
         (place(), place()).prop_map(|(a, b)| Handle::Bone(a, b)),
         // On a vertex, along an edge, and without length.
         (0..31u32, 0..11u32).prop_map(|(x, y)| Handle::Point(vec2(2.0 * x as f32, 2.0 * y as f32))),
-        (0..20u32, 0..11u32).prop_map(|(x, y)| Handle::Bone(vec2(2.0 * x as f32, 2.0 * y as f32), vec2(2.0 * x as f32 + 20.0, 2.0 * y as f32))),
+        (0..20u32, 0..11u32).prop_map(|(x, y)| Handle::Bone(
+            vec2(2.0 * x as f32, 2.0 * y as f32),
+            vec2(2.0 * x as f32 + 20.0, 2.0 * y as f32)
+        )),
         place().prop_map(|p| Handle::Bone(p, p)),
     ];
     prop::collection::vec(handle, 1..6)
@@ -160,10 +163,7 @@ fn an_arm_beside_the_body_does_not_drag_it_when_measured_inside() {
         (6.0..8.0).contains(&middle.x) && middle.y > 6.0
     };
     let triangles: Vec<[u32; 3]> = triangles.into_iter().filter(|t| !gap(t)).collect();
-    let rest = [
-        Handle::Bone(vec2(3.0, 2.0), vec2(3.0, 38.0)),
-        Handle::Bone(vec2(11.0, 2.0), vec2(11.0, 38.0)),
-    ];
+    let rest = [Handle::Bone(vec2(3.0, 2.0), vec2(3.0, 38.0)), Handle::Bone(vec2(11.0, 2.0), vec2(11.0, 38.0))];
     let swung = [rest[0], Handle::Bone(vec2(11.0, 2.0), vec2(46.0, 10.0))];
     let drag = |inside: bool| {
         let settings = Settings { inside, ..Settings::default() };
