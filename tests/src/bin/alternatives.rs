@@ -6,7 +6,7 @@
 //! Plugins are loaded as any host loads them. Segmenters are given the built-in tracker's limbs. Prints two Markdown
 //! tables. Seconds are of processor time, all threads together, on Linux; elsewhere of the clock.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::Instant;
 
 use anyhow::{Context as _, Result, anyhow, bail};
@@ -43,20 +43,19 @@ fn main() -> Result<()> {
         [("built-in", &CostVolumeSegmenter::default()), ("grab-cut", &grab_cut)];
     let scenes = Scene::all_masked(Path::new(data))?;
     let wanted = |s: &&Scene| names.is_empty() || names.contains(&s.name);
-    let mut tracking = Vec::new();
-    let mut cutting = Vec::new();
+    let mut jobs = Vec::new();
     for scene in scenes.iter().filter(wanted) {
         for (keys, strokes) in &scene.strokes {
-            let job = Job::open(scene, *keys, strokes).with_context(|| format!("{}, {keys} keys", scene.name))?;
-            let motion = job.track(&trackers, &mut tracking)?;
-            job.cut(&segmenters, &motion, scratch.path(), &mut cutting)?;
+            jobs.push(Job { scene, keys: *keys, strokes, rig: Rig::read(strokes)? });
         }
     }
-    print(
-        &["clip", "keys", "tracker", "PCK02", "PCK05", "PCK20", "mean px", "trunk PCK02", "trunk PCK05", "s"],
-        &tracking,
-    );
-    print(&["clip", "keys", "segmenter", "J", "J worst", "s"], &cutting);
+    head(&["clip", "keys", "tracker", "PCK02", "PCK05", "PCK20", "mean px", "trunk PCK02", "trunk PCK05", "s"]);
+    let motions = jobs.iter().map(|job| job.track(&trackers).with_context(|| job.name()));
+    let motions = motions.collect::<Result<Vec<_>>>()?;
+    head(&["clip", "keys", "segmenter", "J", "J worst", "s"]);
+    for (job, motion) in jobs.iter().zip(&motions) {
+        job.cut(&segmenters, motion, scratch.path()).with_context(|| job.name())?;
+    }
     Ok(())
 }
 
@@ -64,54 +63,60 @@ fn slot(registry: &Registry, id: &str, kind: PluginKind) -> Result<marey_plugin_
     registry.slot(id, kind, Policy::Keep).map_err(|e| anyhow!("{e}"))
 }
 
+fn head(cells: &[&str]) {
+    row(cells);
+    row(&vec!["---"; cells.len()]);
+}
+
 #[expect(clippy::print_stdout, reason = "the tables are this program's output")]
-fn print(head: &[&str], rows: &[Vec<String>]) {
-    println!("| {} |\n|{}", head.join(" | "), " --- |".repeat(head.len()));
-    for row in rows {
-        println!("| {} |", row.join(" | "));
-    }
-    println!();
+fn row(cells: &[&str]) {
+    println!("| {} |", cells.join(" | "));
 }
 
 /// A clip with its strokes.
 struct Job<'a> {
     scene: &'a Scene,
     keys: usize,
-    strokes: PathBuf,
-    clip: Clip,
+    strokes: &'a Path,
     rig: Rig,
 }
 
-impl<'a> Job<'a> {
-    fn open(scene: &'a Scene, keys: usize, strokes: &Path) -> Result<Self> {
-        let clip = Clip::open(&scene.clip)?;
-        // Decoded once before anything is timed.
-        for frame in 0..clip.info().frames {
-            clip.frame(frame)?;
-        }
-        Ok(Self { scene, keys, strokes: strokes.to_owned(), clip, rig: Rig::read(strokes)? })
+impl Job<'_> {
+    fn name(&self) -> String {
+        format!("{}, {} key frames", self.scene.name, self.keys)
     }
 
-    /// Adds a row a tracker; the first one's limbs.
-    fn track(&self, trackers: &[(&str, &dyn Tracker)], rows: &mut Vec<Vec<String>>) -> Result<Motion> {
+    /// The clip, decoded before anything is timed.
+    fn clip(&self) -> Result<Clip> {
+        let clip = Clip::open(&self.scene.clip)?;
+        (0..clip.info().frames).try_for_each(|frame| clip.frame(frame).map(|_| ()))?;
+        Ok(clip)
+    }
+
+    /// Prints a row a tracker; the first one's limbs.
+    fn track(&self, trackers: &[(&str, &dyn Tracker)]) -> Result<Motion> {
+        let clip = self.clip()?;
         let mut first = None;
         for (name, tracker) in trackers {
-            let (motion, seconds) = timed(|| tracker.track(&self.clip, &self.rig, Progress::new().whole()))?;
+            if first.is_some() && self.truth()?.is_none() {
+                continue;
+            }
+            let (motion, seconds) = timed(|| tracker.track(&clip, &self.rig, Progress::new().whole()))?;
             if let Some(truth) = self.truth()? {
                 let score = self.score(&motion, truth.clone())?;
-                let trunk = trunk(truth, &self.strokes)?.map(|truth| self.score(&motion, truth)).transpose()?;
+                let trunk = trunk(truth, self.strokes)?.map(|truth| self.score(&motion, truth)).transpose()?;
                 let blank = |v: Option<f64>| v.map_or(String::new(), |v| format!("{v:.1}"));
-                rows.push(vec![
-                    self.scene.name.clone(),
-                    self.keys.to_string(),
-                    (*name).to_owned(),
-                    format!("{:.1}", score.pck02),
-                    format!("{:.1}", score.pck05),
-                    blank(score.pck20),
-                    format!("{:.1}", score.mean_px),
-                    blank(trunk.as_ref().map(|t| t.pck02)),
-                    blank(trunk.as_ref().map(|t| t.pck05)),
-                    format!("{seconds:.1}"),
+                row(&[
+                    &self.scene.name,
+                    &self.keys.to_string(),
+                    name,
+                    &format!("{:.1}", score.pck02),
+                    &format!("{:.1}", score.pck05),
+                    &blank(score.pck20),
+                    &format!("{:.1}", score.mean_px),
+                    &blank(trunk.as_ref().map(|t| t.pck02)),
+                    &blank(trunk.as_ref().map(|t| t.pck05)),
+                    &format!("{seconds:.1}"),
                 ]);
             }
             first.get_or_insert(motion);
@@ -129,30 +134,20 @@ impl<'a> Job<'a> {
 
     fn score(&self, motion: &Motion, truth: Value) -> Result<score::TrackScore> {
         let truth: Truth = serde_json::from_value(truth)?;
-        score::tracks(motion, &truth, &self.strokes, &self.scene.dir.join("masks"))
+        score::tracks(motion, &truth, self.strokes, &self.scene.dir.join("masks"))
     }
 
-    /// Adds a row a segmenter.
-    fn cut(
-        &self,
-        segmenters: &[(&str, &dyn Segmenter)],
-        motion: &Motion,
-        scratch: &Path,
-        rows: &mut Vec<Vec<String>>,
-    ) -> Result<()> {
+    /// Prints a row a segmenter.
+    fn cut(&self, segmenters: &[(&str, &dyn Segmenter)], motion: &Motion, scratch: &Path) -> Result<()> {
+        let clip = self.clip()?;
+        let truth = self.scene.dir.join("masks");
         for (name, segmenter) in segmenters {
-            let (masks, seconds) = timed(|| segmenter.segment(&self.clip, &self.rig, motion, Progress::new().whole()))?;
+            let (masks, seconds) = timed(|| segmenter.segment(&clip, &self.rig, motion, Progress::new().whole()))?;
             let dir = scratch.join(format!("{}-{}-{name}", self.scene.name, self.keys));
-            write_masks(&masks, &dir, &self.scene.dir.join("masks"))?;
-            let score = score::masks(&dir, &self.scene.dir.join("masks"))?;
-            rows.push(vec![
-                self.scene.name.clone(),
-                self.keys.to_string(),
-                (*name).to_owned(),
-                format!("{:.1}", score.mean),
-                format!("{:.1}", score.worst),
-                format!("{seconds:.1}"),
-            ]);
+            write_masks(&masks, &dir, &truth)?;
+            let score = score::masks(&dir, &truth)?;
+            let (mean, worst) = (format!("{:.1}", score.mean), format!("{:.1}", score.worst));
+            row(&[&self.scene.name, &self.keys.to_string(), name, &mean, &worst, &format!("{seconds:.1}")]);
         }
         Ok(())
     }
