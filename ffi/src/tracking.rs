@@ -4,7 +4,6 @@ use std::sync::Arc;
 
 use marey::clip::Clip;
 use marey::rig::Rig;
-use marey::track::Tracker;
 
 use crate::border::{self, Out, Versioned, reserved};
 use crate::clip::mry_clip;
@@ -12,7 +11,6 @@ use crate::context::mry_context;
 use crate::error::{Failure, Outcome, mry_error};
 use crate::guard::{Call, entry};
 use crate::job::mry_job;
-use crate::methods::tracker;
 use crate::motion::mry_motion;
 use crate::rig::mry_rig;
 use crate::running::{Part, Product, Work};
@@ -31,7 +29,8 @@ pub struct mry_track_desc {
     pub clip: mry_clip,
     /// The rig; it must be valid for the clip.
     pub rig: mry_rig,
-    /// The tracker: "space-time", "paper" (Reinert 2016, section 3.5); empty for the best.
+    /// The tracker: "space-time", "paper" (Reinert 2016, section 3.5); or a plugin's
+    /// id; empty for the best.
     pub tracker: mry_str,
 }
 
@@ -47,7 +46,7 @@ impl Call<'_> {
         let desc = unsafe { border::read(desc, "desc")? };
         reserved(desc.reserved0)?;
         // SAFETY: as above.
-        let tracker = unsafe { tracker(desc.tracker)? };
+        let tracker = unsafe { self.tracker(desc.tracker)? };
         let (clip, rig) = self.clip_and_rig(desc.clip, desc.rig)?;
         Ok(Box::new(move |progress| {
             let motion = tracker.track(&clip, &rig, progress.whole())?;

@@ -14,7 +14,7 @@ use cbindgen::{Builder, Config, DocumentationStyle, EnumConfig, ExportConfig, Fu
 use crate::shell::{root, say};
 
 /// The files of ffi/src in the order a reader meets them.
-const FILES: [&str; 33] = [
+const FILES: [&str; 36] = [
     "version.rs",
     "status.rs",
     "string.rs",
@@ -48,6 +48,9 @@ const FILES: [&str; 33] = [
     "drawing.rs",
     "parameter.rs",
     "session_jobs.rs",
+    "plugins.rs",
+    "plugin.rs",
+    "plugin_parameter.rs",
 ];
 
 const PREAMBLE: &str = "\
