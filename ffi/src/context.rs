@@ -31,6 +31,7 @@ use crate::limits::{Limits, mry_limits};
 use crate::maps::MapTable;
 use crate::masks::MasksTable;
 use crate::motion::MotionTable;
+use crate::plugins::Plugins;
 use crate::rig::RigTable;
 use crate::session::SessionTable;
 use crate::status::{mry_status, mry_status_code as Code};
@@ -114,6 +115,7 @@ pub(crate) struct Context {
     pub(crate) jobs: JobTable,
     pub(crate) sessions: SessionTable,
     pub(crate) maps: MapTable,
+    pub(crate) plugins: Plugins,
     pub(crate) limits: Limits,
     memory: Option<Arc<dyn FrameMemory>>,
     log: Arc<LogSink>,
@@ -134,7 +136,7 @@ impl Context {
     }
 
     /// The way to the host's sink for a job, which may outlive the call that starts it.
-    pub(crate) fn logger(&self) -> impl Fn(i32, &str) + Send + use<> {
+    pub(crate) fn logger(&self) -> impl Fn(i32, &str) + Send + Sync + use<> {
         let sink = self.log.clone();
         move |level, message| log(&sink, level, message)
     }
@@ -226,6 +228,7 @@ pub unsafe extern "C" fn mry_context_create(
             jobs: Table::new(6, tag, most),
             sessions: Table::new(7, tag, most),
             maps: Table::new(14, tag, most),
+            plugins: Plugins::default(),
             limits,
             memory,
             log: Arc::new(LogSink { sink: desc.log, user: desc.log_user, inside: AtomicU32::new(0) }),

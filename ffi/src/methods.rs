@@ -1,38 +1,58 @@
-//! The trackers and segmenters that a description may name.
+//! The trackers and segmenters that a description may name: the built-in ones, and plugins by their ids.
 
-use marey::segment::{self, CostVolumeSegmenter, SegmentParams};
+use std::sync::Arc;
+
+use marey::segment::{self, CostVolumeSegmenter, SegmentParams, Segmenter};
+use marey::track::Tracker;
 use marey::track::limb::{self, LimbParams, LimbTracker};
+use marey_plugin_loader::PluginKind;
 
 use crate::error::{Failure, Outcome};
+use crate::guard::Call;
 use crate::status::mry_status_code as Code;
 use crate::string::mry_str;
 
-/// # Safety
-/// The string is valid, as the header asks.
-pub(crate) unsafe fn tracker(id: mry_str) -> Outcome<LimbTracker> {
-    // SAFETY: as this function's own.
-    let method = match unsafe { id.text("desc.tracker")? } {
-        "" | "space-time" => limb::Method::SpaceTime,
-        "paper" => limb::Method::Paper,
-        other => return Err(unknown("desc.tracker", other, "space-time, paper")),
-    };
-    Ok(LimbTracker { params: LimbParams { method, ..LimbParams::default() } })
-}
+impl Call<'_> {
+    /// # Safety
+    /// The string is valid, as the header asks.
+    pub(crate) unsafe fn tracker(&self, id: mry_str) -> Outcome<Arc<dyn Tracker>> {
+        // SAFETY: as this function's own.
+        let method = match unsafe { id.text("desc.tracker")? } {
+            "" | "space-time" => limb::Method::SpaceTime,
+            "paper" => limb::Method::Paper,
+            other => {
+                match self.context.plugins.slot(other, PluginKind::Tracker).map_err(|e| e.about("desc.tracker"))? {
+                    Some(slot) => return Ok(slot),
+                    None => return Err(self.unknown("desc.tracker", other, "space-time, paper", PluginKind::Tracker)),
+                }
+            }
+        };
+        Ok(Arc::new(LimbTracker { params: LimbParams { method, ..LimbParams::default() } }))
+    }
 
-/// # Safety
-/// The string is valid, as the header asks.
-pub(crate) unsafe fn segmenter(id: mry_str) -> Outcome<CostVolumeSegmenter> {
-    // SAFETY: as this function's own.
-    let method = match unsafe { id.text("desc.segmenter")? } {
-        "" | "layered" => segment::Method::Layered,
-        "paper" => segment::Method::Paper,
-        other => return Err(unknown("desc.segmenter", other, "layered, paper")),
-    };
-    Ok(CostVolumeSegmenter { params: SegmentParams { method, ..SegmentParams::default() } })
-}
+    /// # Safety
+    /// The string is valid, as the header asks.
+    pub(crate) unsafe fn segmenter(&self, id: mry_str) -> Outcome<Arc<dyn Segmenter>> {
+        // SAFETY: as this function's own.
+        let method = match unsafe { id.text("desc.segmenter")? } {
+            "" | "layered" => segment::Method::Layered,
+            "paper" => segment::Method::Paper,
+            other => {
+                let slot = self.context.plugins.slot(other, PluginKind::Segmenter);
+                match slot.map_err(|e| e.about("desc.segmenter"))? {
+                    Some(slot) => return Ok(slot),
+                    None => return Err(self.unknown("desc.segmenter", other, "layered, paper", PluginKind::Segmenter)),
+                }
+            }
+        };
+        Ok(Arc::new(CostVolumeSegmenter { params: SegmentParams { method, ..SegmentParams::default() } }))
+    }
 
-fn unknown(param: &'static str, id: &str, known: &str) -> Failure {
-    Failure::new(Code::MRY_E_UNSUPPORTED, param, format!("{param}: `{id}` is not known; there are {known}"))
+    fn unknown(&self, param: &'static str, id: &str, known: &str, kind: PluginKind) -> Failure {
+        let known: Vec<String> = std::iter::once(known.to_owned()).chain(self.context.plugins.ids(kind)).collect();
+        let message = format!("{param}: `{id}` is not known; there are {}", known.join(", "));
+        Failure::new(Code::MRY_E_UNSUPPORTED, param, message)
+    }
 }
 
 /// What the report says about how a job was run.

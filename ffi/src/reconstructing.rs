@@ -13,7 +13,7 @@ use crate::error::{Outcome, mry_error};
 use crate::guard::{Call, entry};
 use crate::job::mry_job;
 use crate::masks::MaskSet;
-use crate::methods::{segmenter, settings, tracker};
+use crate::methods::settings;
 use crate::rig::mry_rig;
 use crate::running::{Part, Product, Work};
 use crate::segmenting::folder;
@@ -51,13 +51,13 @@ impl Call<'_> {
         // SAFETY: by the header's contract, as for all descriptions; see `entry`.
         let desc = unsafe { border::read(desc, "desc")? };
         // SAFETY: as above.
-        let (tracker, segmenter) = unsafe { (tracker(desc.tracker)?, segmenter(desc.segmenter)?) };
+        let (tracker, segmenter) = unsafe { (self.tracker(desc.tracker)?, self.segmenter(desc.segmenter)?) };
         // SAFETY: as above.
         let (settings, folder) = unsafe { (settings(desc.tracker, desc.segmenter)?, folder(desc.folder)?) };
         let files = folder_options(desc.write_obj, 0.0)?;
         let (clip, rig) = self.clip_and_rig(desc.clip, desc.rig)?;
         Ok(Box::new(move |progress| {
-            let mut options = PipelineOptions::new(&tracker, &segmenter);
+            let mut options = PipelineOptions::new(&*tracker, &*segmenter);
             options.settings = settings;
             let made = match &folder {
                 None => pipeline::creature(&clip, &rig, &options, progress.whole())?,

@@ -8,8 +8,6 @@ use marey::export::report::Report;
 use marey::export::{check_mask_folder, write_mask_folder};
 use marey::motion::Motion;
 use marey::rig::Rig;
-use marey::segment::Segmenter;
-use marey::track::Tracker;
 
 use crate::border::{self, Out, Versioned, reserved};
 use crate::clip::mry_clip;
@@ -18,7 +16,7 @@ use crate::error::{Failure, Outcome, mry_error};
 use crate::guard::{Call, entry};
 use crate::job::mry_job;
 use crate::masks::{MaskSet, mry_masks};
-use crate::methods::{segmenter, settings, tracker};
+use crate::methods::settings;
 use crate::motion::mry_motion;
 use crate::rig::mry_rig;
 use crate::running::{Part, Product, Work};
@@ -41,7 +39,8 @@ pub struct mry_segment_desc {
     pub motion: mry_motion,
     /// The tracker, where motion is {0}: as in mry_track_desc.
     pub tracker: mry_str,
-    /// The segmenter: "layered", "paper" (Reinert 2016, section 3.6); empty for the best.
+    /// The segmenter: "layered", "paper" (Reinert 2016, section 3.6), or a plugin's id;
+    /// empty for the best.
     pub segmenter: mry_str,
     /// Where to write the masks, see mry_masks_write_folder; empty for nowhere.
     pub folder: mry_str,
@@ -88,7 +87,7 @@ impl Call<'_> {
         let desc = unsafe { border::read(desc, "desc")? };
         reserved(desc.reserved0)?;
         // SAFETY: as above.
-        let (tracker, segmenter) = unsafe { (tracker(desc.tracker)?, segmenter(desc.segmenter)?) };
+        let (tracker, segmenter) = unsafe { (self.tracker(desc.tracker)?, self.segmenter(desc.segmenter)?) };
         // SAFETY: as above.
         let (settings, folder) = unsafe { (settings(desc.tracker, desc.segmenter)?, folder(desc.folder)?) };
         let (clip, rig) = self.clip_and_rig(desc.clip, desc.rig)?;

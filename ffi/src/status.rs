@@ -61,6 +61,49 @@ pub enum mry_status_code {
     /// No thread could be started.
     MRY_E_THREADS = -402,
 
+    /// There is no plugin of that name, or no file.
+    MRY_E_PLUGIN_NOT_FOUND = -501,
+    /// The plugin's file is being written.
+    MRY_E_PLUGIN_UNSTABLE_FILE = -502,
+    /// The plugin's file ends before it should.
+    MRY_E_PLUGIN_TRUNCATED = -503,
+    /// The plugin's file is not the one that its manifest describes.
+    MRY_E_PLUGIN_HASH = -504,
+    /// The file is no plugin for this machine, or its manifest is damaged.
+    MRY_E_PLUGIN_FORMAT = -505,
+    /// The system's loader refused the plugin's file.
+    MRY_E_PLUGIN_DLOPEN = -506,
+    /// The library exports no plugin.
+    MRY_E_PLUGIN_NO_ENTRY = -507,
+    /// The plugin is made for another version of the interface.
+    MRY_E_PLUGIN_ABI_VERSION = -508,
+    /// The plugin's types are laid out in another way.
+    MRY_E_PLUGIN_LAYOUT = -509,
+    /// What the library says of its plugins cannot be.
+    MRY_E_PLUGIN_DESCRIPTOR = -510,
+    /// The plugin did not start.
+    MRY_E_PLUGIN_INIT = -511,
+    /// The plugin panicked, and was contained.
+    MRY_E_PLUGIN_PANICKED = -512,
+    /// The plugin's instance panicked before.
+    MRY_E_PLUGIN_POISONED = -513,
+    /// The plugin gave no sign of life in time.
+    MRY_E_PLUGIN_TIMEOUT = -514,
+    /// The plugin's file failed too often.
+    MRY_E_PLUGIN_QUARANTINED = -515,
+    /// The plugin is switched off.
+    MRY_E_PLUGIN_DISABLED = -516,
+    /// The plugin ended the process that tried it.
+    MRY_E_PLUGIN_CRASHED = -517,
+    /// What the plugin returned cannot be used.
+    MRY_E_PLUGIN_OUTPUT = -518,
+    /// The plugin said that it failed.
+    MRY_E_PLUGIN_FAILED = -519,
+    /// A private copy of the plugin could not be made, or not be run.
+    MRY_E_PLUGIN_COPY = -520,
+    /// Too many builds of plugins were loaded.
+    MRY_E_PLUGIN_GENERATIONS = -521,
+
     /// A defect of the library, contained; the object, or else the context, is poisoned.
     MRY_E_PANIC = -901,
     /// The object or the context was poisoned by an earlier MRY_E_PANIC; it can only be destroyed.
@@ -69,7 +112,7 @@ pub enum mry_status_code {
 
 impl mry_status_code {
     /// All codes, for the lookup from a number.
-    const ALL: [Self; 25] = [
+    const ALL: [Self; 46] = [
         Self::MRY_OK,
         Self::MRY_PENDING,
         Self::MRY_CANCELLED,
@@ -93,6 +136,27 @@ impl mry_status_code {
         Self::MRY_E_MEMORY,
         Self::MRY_E_IO,
         Self::MRY_E_THREADS,
+        Self::MRY_E_PLUGIN_NOT_FOUND,
+        Self::MRY_E_PLUGIN_UNSTABLE_FILE,
+        Self::MRY_E_PLUGIN_TRUNCATED,
+        Self::MRY_E_PLUGIN_HASH,
+        Self::MRY_E_PLUGIN_FORMAT,
+        Self::MRY_E_PLUGIN_DLOPEN,
+        Self::MRY_E_PLUGIN_NO_ENTRY,
+        Self::MRY_E_PLUGIN_ABI_VERSION,
+        Self::MRY_E_PLUGIN_LAYOUT,
+        Self::MRY_E_PLUGIN_DESCRIPTOR,
+        Self::MRY_E_PLUGIN_INIT,
+        Self::MRY_E_PLUGIN_PANICKED,
+        Self::MRY_E_PLUGIN_POISONED,
+        Self::MRY_E_PLUGIN_TIMEOUT,
+        Self::MRY_E_PLUGIN_QUARANTINED,
+        Self::MRY_E_PLUGIN_DISABLED,
+        Self::MRY_E_PLUGIN_CRASHED,
+        Self::MRY_E_PLUGIN_OUTPUT,
+        Self::MRY_E_PLUGIN_FAILED,
+        Self::MRY_E_PLUGIN_COPY,
+        Self::MRY_E_PLUGIN_GENERATIONS,
         Self::MRY_E_PANIC,
         Self::MRY_E_POISONED,
     ];
@@ -122,6 +186,27 @@ impl mry_status_code {
             Self::MRY_E_MEMORY => c"no memory was lent",
             Self::MRY_E_IO => c"the operating system refused",
             Self::MRY_E_THREADS => c"no thread could be started",
+            Self::MRY_E_PLUGIN_NOT_FOUND => c"no such plugin",
+            Self::MRY_E_PLUGIN_UNSTABLE_FILE => c"the plugin's file is being written",
+            Self::MRY_E_PLUGIN_TRUNCATED => c"the plugin's file is cut off",
+            Self::MRY_E_PLUGIN_HASH => c"the plugin's file is not its manifest's",
+            Self::MRY_E_PLUGIN_FORMAT => c"no plugin for this machine",
+            Self::MRY_E_PLUGIN_DLOPEN => c"the system refused the plugin",
+            Self::MRY_E_PLUGIN_NO_ENTRY => c"the library exports no plugin",
+            Self::MRY_E_PLUGIN_ABI_VERSION => c"the plugin is made for another version",
+            Self::MRY_E_PLUGIN_LAYOUT => c"the plugin's types are laid out otherwise",
+            Self::MRY_E_PLUGIN_DESCRIPTOR => c"the plugin's description is wrong",
+            Self::MRY_E_PLUGIN_INIT => c"the plugin did not start",
+            Self::MRY_E_PLUGIN_PANICKED => c"the plugin panicked",
+            Self::MRY_E_PLUGIN_POISONED => c"the plugin panicked before",
+            Self::MRY_E_PLUGIN_TIMEOUT => c"the plugin hangs",
+            Self::MRY_E_PLUGIN_QUARANTINED => c"the plugin failed too often",
+            Self::MRY_E_PLUGIN_DISABLED => c"the plugin is switched off",
+            Self::MRY_E_PLUGIN_CRASHED => c"the plugin crashed",
+            Self::MRY_E_PLUGIN_OUTPUT => c"the plugin returned nonsense",
+            Self::MRY_E_PLUGIN_FAILED => c"the plugin failed",
+            Self::MRY_E_PLUGIN_COPY => c"no private copy of the plugin",
+            Self::MRY_E_PLUGIN_GENERATIONS => c"too many builds of plugins",
             Self::MRY_E_PANIC => c"a defect of the library",
             Self::MRY_E_POISONED => c"poisoned by an earlier defect",
         }
@@ -144,6 +229,10 @@ pub(crate) fn of(error: &marey::Error) -> mry_status_code {
     match error {
         Error::Io { source, .. } if source.kind() == std::io::ErrorKind::NotFound => mry_status_code::MRY_E_NO_FILE,
         Error::Memory { .. } => mry_status_code::MRY_E_MEMORY,
+        Error::Helper { code, .. } => {
+            let known = mry_status_code::ALL.into_iter().find(|known| *known as mry_status == *code);
+            known.unwrap_or(mry_status_code::MRY_E_PLUGIN_FAILED)
+        }
         _ => match error.category() {
             Category::BadInput => mry_status_code::MRY_E_INPUT,
             Category::Limit => mry_status_code::MRY_E_LIMIT,

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use marey::clip::Clip;
 use marey::motion::Motion;
 use marey::rig::Rig;
-use marey::track::{Earlier, Tracker, outdated_frames};
+use marey::track::{Earlier, outdated_frames};
 
 use crate::border::{self, Out, Versioned, reserved};
 use crate::clip::mry_clip;
@@ -14,7 +14,6 @@ use crate::context::mry_context;
 use crate::error::{Failure, Outcome, mry_error};
 use crate::guard::{Call, entry};
 use crate::job::mry_job;
-use crate::methods::tracker;
 use crate::motion::mry_motion;
 use crate::rig::mry_rig;
 use crate::running::{Part, Product, Work};
@@ -33,7 +32,8 @@ pub struct mry_track_desc {
     pub clip: mry_clip,
     /// The rig; it must be valid for the clip.
     pub rig: mry_rig,
-    /// The tracker: "space-time", "paper" (Reinert 2016, section 3.5); empty for the best.
+    /// The tracker: "space-time", "paper" (Reinert 2016, section 3.5); or a plugin's
+    /// id; empty for the best.
     pub tracker: mry_str,
     /// What was tracked before with the same tracker from earlier_rig on the same clip; {0} to track everything. Only
     /// what differs between the rigs is tracked again, between the key frames around it; the rest stays to the bit.
@@ -57,7 +57,7 @@ impl Call<'_> {
         let desc = unsafe { border::read(desc, "desc")? };
         reserved(desc.reserved0)?;
         // SAFETY: as above.
-        let tracker = unsafe { tracker(desc.tracker)? };
+        let tracker = unsafe { self.tracker(desc.tracker)? };
         let (clip, rig) = self.clip_and_rig(desc.clip, desc.rig)?;
         let earlier = self.earlier(&desc, &clip, &rig)?;
         Ok(Box::new(move |progress| {

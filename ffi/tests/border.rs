@@ -71,6 +71,8 @@ enum Has {
     Id,
     /// Outputs, no id.
     Out,
+    /// Neither.
+    Neither,
 }
 
 macro_rules! calls {
@@ -109,6 +111,13 @@ fn creature(i: Ids) -> *const mry_creature_desc {
     let mut desc = unsafe { std::mem::zeroed::<mry_creature_desc>() };
     unsafe { mry_creature_desc_init(&mut desc, size_of::<mry_creature_desc>() as u32) };
     (desc.clip, desc.rig) = (i.clip, i.rig);
+    Box::leak(Box::new(desc))
+}
+
+fn plugins(path: &str) -> *const mry_plugins_desc {
+    let mut desc = unsafe { std::mem::zeroed::<mry_plugins_desc>() };
+    unsafe { mry_plugins_desc_init(&mut desc, size_of::<mry_plugins_desc>() as u32) };
+    desc.cache = str(path);
     Box::leak(Box::new(desc))
 }
 
@@ -251,10 +260,27 @@ const CALLS: &[(&str, Has, Run)] = calls! {
     Id mry_session_run_track(c, i, o, e, p) => [i.session];
     IdAndOut mry_session_run_creature(c, i, o, e, p) => [i.session, str(""), o.at()];
     IdAndOut mry_session_get_outdated(c, i, o, e, p) => [i.session, 0, o.at(), 4096, o.at()];
+    Neither mry_plugins_open(c, i, o, e, p) => [plugins(p)];
+    Out mry_plugins_rescan(c, i, o, e, p) => [o.at()];
+    Neither mry_plugins_load(c, i, o, e, p) => [str(p)];
+    Neither mry_plugins_retry(c, i, o, e, p) => [str(p)];
+    Out mry_plugins_check(c, i, o, e, p) => [str(p), o.at(), 4096, o.at()];
+    Out mry_plugins_probe(c, i, o, e, p) => [str("load"), str(p), o.at(), 4096, o.at()];
+    Out mry_plugin_get_info(c, i, o, e, p) => [0, o.sized()];
+    Out mry_plugin_get_about(c, i, o, e, p) => [0, o.at(), 4096, o.at()];
+    Out mry_plugin_get_file(c, i, o, e, p) => [0, o.at(), 4096, o.at()];
+    Out mry_plugin_get_failure(c, i, o, e, p) => [0, o.at(), o.at(), 4096, o.at()];
+    Neither mry_plugin_set_enabled(c, i, o, e, p) => [str("org.none"), 1];
+    Out mry_plugin_get_parameter(c, i, o, e, p) => [str("org.none"), 0, o.sized()];
+    Out mry_plugin_get_parameter_choice(c, i, o, e, p) => [str("org.none"), 0, 0, o.at(), 4096, o.at()];
+    Neither mry_plugin_set_number(c, i, o, e, p) => [str("org.none"), str("x"), 1.0];
+    Neither mry_plugin_set_text(c, i, o, e, p) => [str("org.none"), str("x"), str("y")];
+    Out mry_plugin_get_number(c, i, o, e, p) => [str("org.none"), str("x"), o.at()];
+    Out mry_plugin_get_text(c, i, o, e, p) => [str("org.none"), str("x"), o.at(), 4096, o.at()];
 };
 
 /// Functions that destroy, and functions without a context.
-const OTHERS: [&str; 35] = [
+const OTHERS: [&str; 38] = [
     "mry_abi_check",
     "mry_allocator_init",
     "mry_clip_close",
@@ -281,6 +307,9 @@ const OTHERS: [&str; 35] = [
     "mry_motion_info_init",
     "mry_parameter_info_init",
     "mry_part_info_init",
+    "mry_plugin_info_init",
+    "mry_plugin_parameter_info_init",
+    "mry_plugins_desc_init",
     "mry_rig_destroy",
     "mry_segment_desc_init",
     "mry_session_destroy",
@@ -318,7 +347,7 @@ fn without_a_context_every_function_says_so() {
 fn without_a_place_for_the_answer_every_function_names_it() {
     let f = fixture();
     let ids = ids(&f);
-    for (name, has, run) in CALLS.iter().filter(|c| c.1 != Has::Id) {
+    for (name, has, run) in CALLS.iter().filter(|c| !matches!(c.1, Has::Id | Has::Neither)) {
         let mut err = error();
         let status = run(f.context, ids, &Outs { null: true }, &mut err, "x");
         assert_eq!(status, code(MRY_E_NULL), "{name}: {}", text(&err.message));
@@ -351,7 +380,7 @@ fn dead_and_foreign_ids_are_stale_everywhere() {
         job: mry_job { v: u64::MAX },
         session: mry_session { v: u64::MAX },
     };
-    for (name, _, run) in CALLS.iter().filter(|c| c.1 != Has::Out) {
+    for (name, _, run) in CALLS.iter().filter(|c| !matches!(c.1, Has::Out | Has::Neither)) {
         for (what, ids) in [("null", Ids::default()), ("dead", dead), ("foreign", ids), ("garbage", garbage)] {
             let mut err = error();
             let status = run(f.context, ids, &Outs { null: false }, &mut err, "x");

@@ -90,6 +90,9 @@
 #define MRY_EXPORT_DESC_INIT { (uint32_t)sizeof(mry_export_desc), 0, { 0 }, { NULL, 0 }, 0, 0.0f }
 #define MRY_SESSION_STATE_INIT { (uint32_t)sizeof(mry_session_state), 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0 }
 #define MRY_PARAMETER_INFO_INIT { (uint32_t)sizeof(mry_parameter_info), 0, 0.0, 0.0, 0.0, 0, 0, { 0 }, { 0 } }
+#define MRY_PLUGINS_DESC_INIT { (uint32_t)sizeof(mry_plugins_desc), 0, { NULL, 0 }, { NULL, 0 }, { NULL, 0 }, 0, 0, 0, 0 }
+#define MRY_PLUGIN_INFO_INIT { (uint32_t)sizeof(mry_plugin_info), 0, 0, 0, 0, 0, 0, { 0 }, { 0 }, { 0 }, { 0 } }
+#define MRY_PLUGIN_PARAMETER_INFO_INIT { (uint32_t)sizeof(mry_plugin_parameter_info), 0, 0.0, 0.0, 0.0, 0.0, 0.0, 0, 0, { 0 }, { 0 }, { 0 }, { 0 }, { 0 }, { 0 } }
 
 
 /** Log level: a contained defect of the library. */
@@ -179,6 +182,45 @@
 /** Kind of a parameter: one of choice_count names, by its index. */
 #define MRY_PARAMETER_CHOICE 3
 
+/** Log level: a plugin did what it must not. */
+#define MRY_LOG_PLUGIN_MISBEHAVING 11
+
+/**
+ * Look where the environment says: MAREY_PLUGIN_PATH, the user's folder ($XDG_DATA_HOME/marey/plugins), then
+ * /usr/lib/marey/plugins; and keep copies in the user's cache. Without it nothing is read from the environment.
+ */
+#define MRY_PLUGINS_ENVIRONMENT 1
+
+/** Kind of a plugin: it follows limbs. */
+#define MRY_PLUGIN_KIND_TRACKER 1
+
+/** Kind of a plugin: it cuts the creature out. */
+#define MRY_PLUGIN_KIND_SEGMENTER 2
+
+/** Kind of a plugin: it moves a mesh by handles. */
+#define MRY_PLUGIN_KIND_DEFORMER 3
+
+/** Door of a plugin: the table of plugin.h. */
+#define MRY_PLUGIN_DOOR_C 1
+
+/** Door of a plugin: the types that abi_stable checks. */
+#define MRY_PLUGIN_DOOR_RUST 2
+
+/** Kind of a parameter: a line of text. */
+#define MRY_PARAMETER_TEXT 4
+
+/** Kind of a parameter: the path of a file. */
+#define MRY_PARAMETER_FILE 5
+
+/** A parameter for those who know the method; a host may fold it away. */
+#define MRY_PARAMETER_ADVANCED 1
+
+/** A parameter that is not to be shown. */
+#define MRY_PARAMETER_HIDDEN 2
+
+/** A parameter whose slider does better with the logarithm. */
+#define MRY_PARAMETER_LOGARITHMIC 4
+
 /** The values of mry_status, errors in blocks of a hundred by whose they are. */
 typedef enum mry_status_code {
   /** Done. */
@@ -227,6 +269,48 @@ typedef enum mry_status_code {
   MRY_E_IO = -401,
   /** No thread could be started. */
   MRY_E_THREADS = -402,
+  /** There is no plugin of that name, or no file. */
+  MRY_E_PLUGIN_NOT_FOUND = -501,
+  /** The plugin's file is being written. */
+  MRY_E_PLUGIN_UNSTABLE_FILE = -502,
+  /** The plugin's file ends before it should. */
+  MRY_E_PLUGIN_TRUNCATED = -503,
+  /** The plugin's file is not the one that its manifest describes. */
+  MRY_E_PLUGIN_HASH = -504,
+  /** The file is no plugin for this machine, or its manifest is damaged. */
+  MRY_E_PLUGIN_FORMAT = -505,
+  /** The system's loader refused the plugin's file. */
+  MRY_E_PLUGIN_DLOPEN = -506,
+  /** The library exports no plugin. */
+  MRY_E_PLUGIN_NO_ENTRY = -507,
+  /** The plugin is made for another version of the interface. */
+  MRY_E_PLUGIN_ABI_VERSION = -508,
+  /** The plugin's types are laid out in another way. */
+  MRY_E_PLUGIN_LAYOUT = -509,
+  /** What the library says of its plugins cannot be. */
+  MRY_E_PLUGIN_DESCRIPTOR = -510,
+  /** The plugin did not start. */
+  MRY_E_PLUGIN_INIT = -511,
+  /** The plugin panicked, and was contained. */
+  MRY_E_PLUGIN_PANICKED = -512,
+  /** The plugin's instance panicked before. */
+  MRY_E_PLUGIN_POISONED = -513,
+  /** The plugin gave no sign of life in time. */
+  MRY_E_PLUGIN_TIMEOUT = -514,
+  /** The plugin's file failed too often. */
+  MRY_E_PLUGIN_QUARANTINED = -515,
+  /** The plugin is switched off. */
+  MRY_E_PLUGIN_DISABLED = -516,
+  /** The plugin ended the process that tried it. */
+  MRY_E_PLUGIN_CRASHED = -517,
+  /** What the plugin returned cannot be used. */
+  MRY_E_PLUGIN_OUTPUT = -518,
+  /** The plugin said that it failed. */
+  MRY_E_PLUGIN_FAILED = -519,
+  /** A private copy of the plugin could not be made, or not be run. */
+  MRY_E_PLUGIN_COPY = -520,
+  /** Too many builds of plugins were loaded. */
+  MRY_E_PLUGIN_GENERATIONS = -521,
   /** A defect of the library, contained; the object, or else the context, is poisoned. */
   MRY_E_PANIC = -901,
   /** The object or the context was poisoned by an earlier MRY_E_PANIC; it can only be destroyed. */
@@ -634,7 +718,10 @@ typedef struct mry_track_desc {
   mry_clip clip;
   /** The rig; it must be valid for the clip. */
   mry_rig rig;
-  /** The tracker: "space-time", "paper" (Reinert 2016, section 3.5); empty for the best. */
+  /**
+   * The tracker: "space-time", "paper" (Reinert 2016, section 3.5); or a plugin's
+   * id; empty for the best.
+   */
   mry_str tracker;
   /**
    * What was tracked before with the same tracker from earlier_rig on the same clip; {0} to track everything. Only
@@ -659,7 +746,10 @@ typedef struct mry_segment_desc {
   mry_motion motion;
   /** The tracker, where motion is {0}: as in mry_track_desc. */
   mry_str tracker;
-  /** The segmenter: "layered", "paper" (Reinert 2016, section 3.6); empty for the best. */
+  /**
+   * The segmenter: "layered", "paper" (Reinert 2016, section 3.6), or a plugin's id;
+   * empty for the best.
+   */
   mry_str segmenter;
   /** Where to write the masks, see mry_masks_write_folder; empty for nowhere. */
   mry_str folder;
@@ -772,6 +862,94 @@ typedef struct mry_frame_range {
   /** How many. */
   uint64_t count;
 } mry_frame_range;
+
+/** Where plugins come from. Start from MRY_PLUGINS_DESC_INIT. */
+typedef struct mry_plugins_desc {
+  /** sizeof(mry_plugins_desc). */
+  uint32_t struct_size;
+  /** MRY_PLUGINS_ENVIRONMENT, or 0. */
+  uint32_t flags;
+  /** Folders to look in before all others, a line each; may be empty. */
+  mry_str folders;
+  /**
+   * The folder for private copies and the list of files that failed too often; files in it must be allowed to run.
+   * It may be empty only with MRY_PLUGINS_ENVIRONMENT.
+   */
+  mry_str cache;
+  /**
+   * The program that tries a file in another process before it is loaded: marey or marey-plugin-probe; empty for
+   * none.
+   */
+  mry_str probe;
+  /** How long a plugin at work may be silent before it is taken to hang; 0 for 30 s. */
+  uint32_t silence_ms;
+  /** How long trying and loading a file may take; 0 for 5 s. */
+  uint32_t load_ms;
+  /** How many builds are loaded at most while the process lives; 0 for 64. */
+  uint32_t max_generations;
+  /** Zero. */
+  uint32_t reserved0;
+} mry_plugins_desc;
+
+/** A plugin that is loaded. */
+typedef struct mry_plugin_info {
+  /** sizeof(mry_plugin_info). */
+  uint32_t struct_size;
+  /** MRY_PLUGIN_KIND_TRACKER, ...; accept ones you do not know. */
+  int32_t kind;
+  /** MRY_PLUGIN_DOOR_C, ...; accept ones you do not know. */
+  int32_t door;
+  /** 0 when it is switched off, by the user or because it failed too often. */
+  uint32_t enabled;
+  /** The number of its newest build, counted over all files. */
+  uint64_t generation;
+  /** How many instances of it there are, of all builds. */
+  uint32_t instance_count;
+  /** How many parameters mry_plugin_get_parameter has. */
+  uint32_t parameter_count;
+  /** Its name for ever, such as "org.example.nearest"; NUL-terminated. */
+  char id[128];
+  /** What a person reads; NUL-terminated. */
+  char name[96];
+  /** Who made it; NUL-terminated, may be empty. */
+  char vendor[96];
+  /** Such as "1.2.0"; NUL-terminated. */
+  char version[32];
+} mry_plugin_info;
+
+/** What a parameter of a plugin is. All texts are NUL-terminated. */
+typedef struct mry_plugin_parameter_info {
+  /** sizeof(mry_plugin_parameter_info). */
+  uint32_t struct_size;
+  /** MRY_PARAMETER_NUMBER, ...; accept ones you do not know. */
+  int32_t kind;
+  /** The least value. */
+  double low;
+  /** The greatest value. */
+  double high;
+  /** The value where none is chosen. */
+  double default_value;
+  /** One step of a slider; 0 for none. */
+  double step;
+  /** The value of the parameter visible_if for which this one is shown. */
+  double visible_value;
+  /** How many names mry_plugin_get_parameter_choice has. */
+  uint32_t choice_count;
+  /** MRY_PARAMETER_ADVANCED, ... */
+  uint32_t flags;
+  /** Its name for ever. */
+  char id[48];
+  /** The id of the parameter that decides whether this one is shown; empty for always. */
+  char visible_if[48];
+  /** What a person reads beside the control. */
+  char label[64];
+  /** Where it stands among others, "Search/Fine"; may be empty. */
+  char group[64];
+  /** "px", "frames"; may be empty. */
+  char unit[16];
+  /** What it does, a sentence; may be empty. */
+  char about[264];
+} mry_plugin_parameter_info;
 
 #ifdef __cplusplus
 extern "C" {
@@ -3897,6 +4075,389 @@ mry_status mry_session_get_outdated(mry_context *context,
                                     size_t capacity,
                                     size_t *out_count,
                                     mry_error *err);
+
+/** @} */
+
+/**
+ * @defgroup plugins Plugins
+ *
+ * Plugins. Trackers, segmenters and deformers from shared libraries that are written against plugin.h or with the Rust
+ * sdk. A context has none before mry_plugins_open; then whatever names a tracker or a segmenter takes the id of a
+ * plugin too, such as "org.example.nearest".
+ *
+ * A plugin works on a thread of its own. One that fails, panics, hangs or returns nonsense fails the job with a status
+ * of the MRY_E_PLUGIN block; but it shares the process, and can crash it: name a probe to try files in another process
+ * first. Nothing is ever unloaded; a new build of a file is loaded beside the old one.
+ * @{
+ */
+
+/**
+ * Fills in a description with struct_size set and everything else zero, for languages without the INIT macros.
+ *
+ * @param desc  Where to write; NULL does nothing.
+ * @param size  sizeof(mry_plugins_desc) as the caller knows it.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+void mry_plugins_desc_init(mry_plugins_desc *desc,
+                           uint32_t size);
+
+/**
+ * Lets a context use plugins, from the described places and no others. Once for a context; loads nothing yet.
+ *
+ * @param context  The context.
+ * @param desc     Where plugins come from.
+ * @param err      Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_TAKEN (it has plugins already), MRY_E_PLUGIN_COPY (the cache cannot be written),
+ *         MRY_E_ARGUMENT, MRY_E_STRUCT_SIZE, MRY_E_UNSUPPORTED, MRY_E_STRING.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_plugins_open(mry_context *context,
+                            const mry_plugins_desc *desc,
+                            mry_error *err);
+
+/**
+ * Looks through the folders: loads libraries that are new and new builds of those that are known. It takes as long as
+ * trying and loading them takes. What came of it is in the log, and in mry_plugin_get_info and _get_failure.
+ *
+ * @param context      The context.
+ * @param out_changes  How many files are loaded, refused or gone since the last time.
+ * @param err          Detail of a failure, or NULL.
+ * @return MRY_OK, also where files were refused; MRY_E_PLUGIN_NOT_FOUND (the context has no plugins).
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_plugins_rescan(mry_context *context,
+                              uint32_t *out_changes,
+                              mry_error *err);
+
+/**
+ * Loads one library (*.so) or bundle (*.marey) by its name, wherever it lies; looks at it again when it is known.
+ *
+ * @param context  The context.
+ * @param file     The file.
+ * @param err      Detail of a failure, or NULL.
+ * @return MRY_OK; a status of the MRY_E_PLUGIN block, MRY_E_STRING, MRY_E_ARGUMENT.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_plugins_load(mry_context *context,
+                            mry_str file,
+                            mry_error *err);
+
+/**
+ * Takes a file out of quarantine and looks at it again at the next mry_plugins_rescan or mry_plugins_load.
+ *
+ * @param context  The context.
+ * @param file     The file, as mry_plugin_get_failure names it.
+ * @param err      Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_PLUGIN_NOT_FOUND (the context has no plugins), MRY_E_STRING, MRY_E_ARGUMENT.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API mry_status mry_plugins_retry(mry_context *context, mry_str file, mry_error *err);
+
+/**
+ * Puts a library or a bundle through the conformance suite, in another process where the context has a probe: loads
+ * it, runs each of its plugins on little scenes, cancels them, and compares what they give with what plugin.h asks.
+ *
+ * @param context   The context.
+ * @param file      The file.
+ * @param text      Where the report goes, JSON in UTF-8 with a NUL; NULL with capacity 0 to ask for the size (the
+ *                  suite runs each time: offer room at once).
+ * @param capacity  Bytes at text.
+ * @param out_size  Bytes needed, with the NUL.
+ * @param err       Detail of a failure, or NULL.
+ * @return MRY_OK, also where the plugin fails the suite; MRY_E_BUFFER_TOO_SMALL; a status of the MRY_E_PLUGIN block
+ *         where it cannot even be loaded; MRY_E_STRING, MRY_E_ARGUMENT.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_plugins_check(mry_context *context,
+                             mry_str file,
+                             char *text,
+                             size_t capacity,
+                             size_t *out_size,
+                             mry_error *err);
+
+/**
+ * What a probe program does, which mry_plugins_desc names: it is started as `PROGRAM plugin probe MODE FILE`, passes
+ * the two last words to this function, and prints the text on its standard output. The library may crash it.
+ *
+ * @param context   A context; it needs no plugins.
+ * @param mode      The mode.
+ * @param file      The file.
+ * @param text      Where the text goes, UTF-8 with a NUL; 65536 bytes do.
+ * @param capacity  Bytes at text.
+ * @param out_size  Bytes needed, with the NUL.
+ * @param err       Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_UNSUPPORTED (no such mode), MRY_E_BUFFER_TOO_SMALL, MRY_E_STRING, MRY_E_ARGUMENT.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_plugins_probe(mry_context *context,
+                             mry_str mode,
+                             mry_str file,
+                             char *text,
+                             size_t capacity,
+                             size_t *out_size,
+                             mry_error *err);
+
+/** @} */
+
+/**
+ * @defgroup plugin One plugin
+ *
+ * One plugin. What is loaded, what is not and why, and switching a plugin off. Plugins are counted by their ids; the
+ * counting changes with mry_plugins_rescan and mry_plugins_load only.
+ * @{
+ */
+
+/**
+ * Fills in a plugin info with struct_size set and everything else zero, for languages without the INIT macros.
+ *
+ * @param info  Where to write; NULL does nothing.
+ * @param size  sizeof(mry_plugin_info) as the caller knows it.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+void mry_plugin_info_init(mry_plugin_info *info,
+                          uint32_t size);
+
+/**
+ * One of the plugins that are loaded.
+ *
+ * @param context   The context.
+ * @param index     Which, counted from 0.
+ * @param out_info  The answer; its struct_size must be set.
+ * @param err       Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_NOT_FOUND (there are no more), MRY_E_PLUGIN_NOT_FOUND (the context has no plugins),
+ *         MRY_E_STRUCT_SIZE.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_plugin_get_info(mry_context *context,
+                               uint32_t index,
+                               mry_plugin_info *out_info,
+                               mry_error *err);
+
+/**
+ * What a plugin is good at, in its author's words.
+ *
+ * @param context   The context.
+ * @param index     Which, counted from 0.
+ * @param text      Where the text goes, UTF-8 with a NUL; NULL with capacity 0 to ask for the size.
+ * @param capacity  Bytes at text.
+ * @param out_size  Bytes needed, with the NUL.
+ * @param err       Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_NOT_FOUND (index), MRY_E_BUFFER_TOO_SMALL, MRY_E_PLUGIN_NOT_FOUND.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_plugin_get_about(mry_context *context,
+                                uint32_t index,
+                                char *text,
+                                size_t capacity,
+                                size_t *out_size,
+                                mry_error *err);
+
+/**
+ * The file that a plugin was loaded from.
+ *
+ * @param context   The context.
+ * @param index     Which, counted from 0.
+ * @param text      Where the path goes, UTF-8 with a NUL; NULL with capacity 0 to ask for the size.
+ * @param capacity  Bytes at text.
+ * @param out_size  Bytes needed, with the NUL.
+ * @param err       Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_NOT_FOUND (index), MRY_E_BUFFER_TOO_SMALL, MRY_E_PLUGIN_NOT_FOUND.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_plugin_get_file(mry_context *context,
+                               uint32_t index,
+                               char *text,
+                               size_t capacity,
+                               size_t *out_size,
+                               mry_error *err);
+
+/**
+ * One of the files whose newest build is not loaded: why, as a line that names the file, the problem and the remedy.
+ *
+ * @param context     The context.
+ * @param index       Which, counted from 0.
+ * @param out_status  The reason, a status of the MRY_E_PLUGIN block.
+ * @param text        Where the line goes, UTF-8 with a NUL; NULL with capacity 0 to ask for the size.
+ * @param capacity    Bytes at text.
+ * @param out_size    Bytes needed, with the NUL.
+ * @param err         Detail of a failure of this call, or NULL.
+ * @return MRY_OK; MRY_E_NOT_FOUND (there are no more), MRY_E_BUFFER_TOO_SMALL, MRY_E_PLUGIN_NOT_FOUND.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_plugin_get_failure(mry_context *context,
+                                  uint32_t index,
+                                  mry_status *out_status,
+                                  char *text,
+                                  size_t capacity,
+                                  size_t *out_size,
+                                  mry_error *err);
+
+/**
+ * Switches a plugin off or on again, also one that was switched off because it hung. Jobs at work are not disturbed.
+ *
+ * @param context  The context.
+ * @param id       The plugin's id.
+ * @param enabled  0 for off, 1 for on.
+ * @param err      Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_PLUGIN_NOT_FOUND (id), MRY_E_ARGUMENT, MRY_E_STRING.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_plugin_set_enabled(mry_context *context,
+                                  mry_str id,
+                                  uint32_t enabled,
+                                  mry_error *err);
+
+/** @} */
+
+/**
+ * @defgroup plugin_parameter Parameters of plugins
+ *
+ * Parameters of plugins. What can be chosen about a plugin, as a table with bounds that a host can show without knowing
+ * any of them. Values live in the context: an instance of a new build is made from them.
+ * @{
+ */
+
+/**
+ * Fills in a parameter info with struct_size set and everything else zero, for languages without the INIT macros.
+ *
+ * @param info  Where to write; NULL does nothing.
+ * @param size  sizeof(mry_plugin_parameter_info) as the caller knows it.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+void mry_plugin_parameter_info_init(mry_plugin_parameter_info *info,
+                                    uint32_t size);
+
+/**
+ * One of the parameters of a plugin, in the order in which to show them.
+ *
+ * @param context   The context.
+ * @param id        The plugin's id.
+ * @param index     Which, counted from 0.
+ * @param out_info  The answer; its struct_size must be set.
+ * @param err       Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_NOT_FOUND (there are no more), MRY_E_PLUGIN_NOT_FOUND (id), MRY_E_STRUCT_SIZE, MRY_E_STRING.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_plugin_get_parameter(mry_context *context,
+                                    mry_str id,
+                                    uint32_t index,
+                                    mry_plugin_parameter_info *out_info,
+                                    mry_error *err);
+
+/**
+ * The name of one of the values of a choice.
+ *
+ * @param context   The context.
+ * @param id        The plugin's id.
+ * @param index     Which parameter.
+ * @param choice    Which value, below choice_count.
+ * @param text      Where the name goes, UTF-8 with a NUL; NULL with capacity 0 to ask for the size.
+ * @param capacity  Bytes at text.
+ * @param out_size  Bytes needed, with the NUL.
+ * @param err       Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_NOT_FOUND (index, choice), MRY_E_PLUGIN_NOT_FOUND (id), MRY_E_BUFFER_TOO_SMALL, MRY_E_STRING.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_plugin_get_parameter_choice(mry_context *context,
+                                           mry_str id,
+                                           uint32_t index,
+                                           uint32_t choice,
+                                           char *text,
+                                           size_t capacity,
+                                           size_t *out_size,
+                                           mry_error *err);
+
+/**
+ * Chooses the value of a parameter for instances that are made from now on; one at work is made anew for its next job.
+ *
+ * @param context  The context.
+ * @param id       The plugin's id.
+ * @param name     The parameter's id.
+ * @param value    From low to high; 0 or 1 for a switch, an index for a choice.
+ * @param err      Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_NOT_FOUND (name), MRY_E_PLUGIN_NOT_FOUND (id), MRY_E_ARGUMENT (value), MRY_E_STRING.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_plugin_set_number(mry_context *context,
+                                 mry_str id,
+                                 mry_str name,
+                                 double value,
+                                 mry_error *err);
+
+/**
+ * Chooses the text or the path of a parameter, as mry_plugin_set_number does a number.
+ *
+ * @param context  The context.
+ * @param id       The plugin's id.
+ * @param name     The parameter's id.
+ * @param value    The text, up to 4096 bytes.
+ * @param err      Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_NOT_FOUND (name), MRY_E_PLUGIN_NOT_FOUND (id), MRY_E_ARGUMENT (value), MRY_E_STRING.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_plugin_set_text(mry_context *context,
+                               mry_str id,
+                               mry_str name,
+                               mry_str value,
+                               mry_error *err);
+
+/**
+ * The value of a parameter, chosen or by default.
+ *
+ * @param context    The context.
+ * @param id         The plugin's id.
+ * @param name       The parameter's id.
+ * @param out_value  As mry_plugin_set_number takes it.
+ * @param err        Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_NOT_FOUND (name), MRY_E_PLUGIN_NOT_FOUND (id), MRY_E_KIND (it is a text), MRY_E_STRING.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_plugin_get_number(mry_context *context,
+                                 mry_str id,
+                                 mry_str name,
+                                 double *out_value,
+                                 mry_error *err);
+
+/**
+ * The text of a parameter, chosen or by default.
+ *
+ * @param context   The context.
+ * @param id        The plugin's id.
+ * @param name      The parameter's id.
+ * @param text      Where the text goes, UTF-8 with a NUL; NULL with capacity 0 to ask for the size.
+ * @param capacity  Bytes at text.
+ * @param out_size  Bytes needed, with the NUL.
+ * @param err       Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_NOT_FOUND (name), MRY_E_PLUGIN_NOT_FOUND (id), MRY_E_KIND (it is a number),
+ *         MRY_E_BUFFER_TOO_SMALL, MRY_E_STRING.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_plugin_get_text(mry_context *context,
+                               mry_str id,
+                               mry_str name,
+                               char *text,
+                               size_t capacity,
+                               size_t *out_size,
+                               mry_error *err);
 
 /** @} */
 

@@ -21,8 +21,13 @@ pub struct Scene {
 impl Scene {
     /// The scene in `dir`, where there is one.
     pub fn at(dir: &Path) -> Option<Self> {
+        Self::with(dir, "truth.json")
+    }
+
+    /// The clip in `dir` beside which something called `known` lies.
+    fn with(dir: &Path, known: &str) -> Option<Self> {
         let clip = ["clip.mp4", "frames", "rgba"].iter().map(|c| dir.join(c)).find(|c| c.exists())?;
-        if !dir.join("truth.json").exists() {
+        if !dir.join(known).exists() {
             return None;
         }
         let strokes = (1..10)
@@ -35,8 +40,17 @@ impl Scene {
 
     /// All scenes in `data` and up to two folders below it, by path.
     pub fn all(data: &Path) -> Result<Vec<Self>> {
-        fn walk(dir: &Path, depth: usize, scenes: &mut Vec<Scene>) -> Result<()> {
-            if let Some(scene) = Scene::at(dir) {
+        Self::below(data, "truth.json")
+    }
+
+    /// As [`Self::all`], clips of which only the masks are known among them.
+    pub fn all_masked(data: &Path) -> Result<Vec<Self>> {
+        Self::below(data, "masks")
+    }
+
+    fn below(data: &Path, known: &str) -> Result<Vec<Self>> {
+        fn walk(dir: &Path, known: &str, depth: usize, scenes: &mut Vec<Scene>) -> Result<()> {
+            if let Some(scene) = Scene::with(dir, known) {
                 scenes.push(scene);
                 return Ok(());
             }
@@ -47,10 +61,10 @@ impl Scene {
             let mut folders: Vec<PathBuf> =
                 entries.filter_map(|e| Some(e.ok()?.path())).filter(|p| p.is_dir()).collect();
             folders.sort();
-            folders.iter().try_for_each(|f| walk(f, depth - 1, scenes))
+            folders.iter().try_for_each(|f| walk(f, known, depth - 1, scenes))
         }
         let mut scenes = Vec::new();
-        walk(data, 2, &mut scenes)?;
+        walk(data, known, 2, &mut scenes)?;
         Ok(scenes)
     }
 }

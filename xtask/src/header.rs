@@ -51,6 +51,9 @@ const FILES: [&str; 36] = [
     "drawing.rs",
     "parameter.rs",
     "session_jobs.rs",
+    "plugins.rs",
+    "plugin.rs",
+    "plugin_parameter.rs",
 ];
 
 const PREAMBLE: &str = "\

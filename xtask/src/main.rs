@@ -36,6 +36,8 @@ cargo xtask COMMAND
                      quiet machine)
   measure DATA ...   the table of scores on a data folder (release build)
   retrack DATA ...   what a corrected stroke costs, on the same folder (release build)
+  alternatives DATA ...
+                     built-in trackers and segmenters beside the plugins that ship (release build)
   validate GLB ...   the Khronos glTF validator on files
 ";
 
@@ -52,6 +54,7 @@ fn main() -> Result<()> {
         "test" => test::run(),
         "check" => check::run(),
         "measure" | "retrack" => measure::run(command, rest),
+        "alternatives" => measure::alternatives(rest),
         "header" => header::run(rest),
         "library" => library::run(rest),
         "install" => library::install(rest),

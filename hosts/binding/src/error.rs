@@ -46,7 +46,10 @@ impl Error {
             code if code == Code::MRY_CANCELLED as i32 => Status::Cancelled,
             -199..=-100 => Status::BadUse,
             -399..=-200 => Status::BadInput,
-            -499..=-400 => Status::Failed,
+            // A plugin that is not there is asked for in vain; one that is bad is a bad file; the rest failed.
+            code if code == Code::MRY_E_PLUGIN_NOT_FOUND as i32 => Status::BadUse,
+            -511..=-502 => Status::BadInput,
+            -599..=-400 => Status::Failed,
             _ => Status::Defect,
         }
     }

@@ -25,6 +25,7 @@ mod job;
 mod masks;
 mod motion;
 mod parameter;
+mod plugin;
 mod rig;
 mod session;
 mod sys;
@@ -37,6 +38,7 @@ pub use job::{CreatureOptions, Job, JobState, SegmentOptions, TrackOptions};
 pub use masks::Masks;
 pub use motion::{Correction, Motion, MotionInfo, TrackFrame};
 pub use parameter::{Parameter, ParameterKind};
+pub use plugin::{Plugin, PluginKind, PluginOptions, PluginParameter, PluginParameterKind};
 pub use rig::{Facing, Rig, Side};
 pub use session::{Access, Session, SessionState};
 

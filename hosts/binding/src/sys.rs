@@ -77,7 +77,9 @@ macro_rules! call {
     }};
 }
 
+mod plugin;
 mod session;
+pub(crate) use plugin::*;
 pub(crate) use session::*;
 
 /// An object of the ABI, destroyed by its function. An id that is stale by then has nothing left to destroy.

@@ -45,9 +45,66 @@ pub(crate) enum Command {
     Creature(Creature),
     /// Make a creature of a bundled clip
     Demo(Demo),
+    /// List plugins, check one, or begin a new one
+    #[command(subcommand)]
+    Plugin(PluginCommand),
     /// Look into the sessions of an editor
     #[command(subcommand)]
     Session(SessionCommand),
+}
+
+/// Which plugins to use beside those that are installed.
+#[derive(Debug, Default, clap::Args)]
+pub(crate) struct Plugins {
+    /// Load this plugin too (a library or a bundle); may be repeated
+    #[arg(long, value_name = "FILE")]
+    pub(crate) plugin: Vec<PathBuf>,
+    /// Choose the value of a plugin's parameter; may be repeated
+    #[arg(long, value_name = "ID:PARAMETER=VALUE")]
+    pub(crate) set: Vec<String>,
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum PluginCommand {
+    /// List the plugins that are installed, and those that could not be loaded
+    List(Plugins),
+    /// Run the conformance suite on a plugin and say what is wrong
+    Check(PluginCheck),
+    /// Begin a new plugin: a project that builds, passes its own tests and loads
+    New(PluginNew),
+    /// Try a plugin for another process
+    #[command(hide = true)]
+    Probe(PluginProbe),
+}
+
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Example:\n  marey plugin check target/release/libmine.so")]
+pub(crate) struct PluginCheck {
+    /// The library (*.so) or bundle (*.marey)
+    #[arg(value_name = "FILE")]
+    pub(crate) file: PathBuf,
+}
+
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Example:\n  marey plugin new my-tracker && cd my-tracker && cargo test")]
+pub(crate) struct PluginNew {
+    /// The plugin's name: a-z, 0-9 and '-'
+    #[arg(value_name = "NAME")]
+    pub(crate) name: String,
+    /// The folder to write [default: NAME]
+    #[arg(short, long, value_name = "DIR")]
+    pub(crate) output: Option<PathBuf>,
+    /// Use the sdk in this folder instead of bringing it along
+    #[arg(long, value_name = "DIR")]
+    pub(crate) sdk: Option<PathBuf>,
+}
+
+#[derive(Debug, clap::Args)]
+pub(crate) struct PluginProbe {
+    /// How
+    pub(crate) mode: String,
+    /// The library
+    pub(crate) file: PathBuf,
 }
 
 #[derive(Debug, Subcommand)]
@@ -107,9 +164,11 @@ pub(crate) struct Drawn {
     /// The drawn limbs (strokes.json)
     #[arg(long, value_name = "S.json")]
     pub(crate) strokes: PathBuf,
-    /// Who follows the limbs: space-time, paper [default: the best]
+    /// Who follows the limbs: space-time, paper, or a plugin's id [default: the best]
     #[arg(long, value_name = "ID", default_value = "", hide_default_value = true)]
     pub(crate) tracker: String,
+    #[command(flatten)]
+    pub(crate) plugins: Plugins,
 }
 
 #[derive(Debug, clap::Args)]
@@ -131,7 +190,7 @@ Writes DIR/00000.png, ... (8 bits, 0 or 255, at the clip's size) and DIR/report.
 pub(crate) struct Segment {
     #[command(flatten)]
     pub(crate) drawn: Drawn,
-    /// Who cuts the creature out: layered, paper [default: the best]
+    /// Who cuts the creature out: layered, paper, or a plugin's id [default: the best]
     #[arg(long, value_name = "ID", default_value = "", hide_default_value = true)]
     pub(crate) segmenter: String,
     /// The folder to write
@@ -150,7 +209,7 @@ report.json, whole or not at all. The report says which stroke would help most i
 pub(crate) struct Creature {
     #[command(flatten)]
     pub(crate) drawn: Drawn,
-    /// Who cuts the creature out: layered, paper [default: the best]
+    /// Who cuts the creature out: layered, paper, or a plugin's id [default: the best]
     #[arg(long, value_name = "ID", default_value = "", hide_default_value = true)]
     pub(crate) segmenter: String,
     /// The folder to write

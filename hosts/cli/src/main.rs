@@ -12,7 +12,7 @@ mod watch;
 use clap::Parser as _;
 use clap::error::ErrorKind;
 
-use crate::args::{Args, Command, SessionCommand};
+use crate::args::{Args, Command, PluginCommand, SessionCommand};
 use crate::failure::{Failure, one_line};
 
 fn main() {
@@ -48,6 +48,10 @@ fn run(args: &Args) -> Result<(), Failure> {
         Command::Segment(segment) => commands::segment(&session, segment),
         Command::Creature(creature) => commands::creature(&session, creature),
         Command::Demo(demo) => commands::demo(&session, demo),
+        Command::Plugin(PluginCommand::List(plugins)) => commands::plugin_list(&session, plugins),
+        Command::Plugin(PluginCommand::Check(check)) => commands::plugin_check(&session, check),
+        Command::Plugin(PluginCommand::New(new)) => commands::plugin_new(new),
+        Command::Plugin(PluginCommand::Probe(probe)) => commands::plugin_probe(&session, probe),
         Command::Session(SessionCommand::Info(info)) => commands::session_info(&session, info),
         Command::Session(SessionCommand::Embed(embed)) => commands::session_embed(&session, embed),
         Command::Session(SessionCommand::Replay(replay)) => commands::session_replay(&session, replay),

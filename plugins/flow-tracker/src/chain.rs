@@ -9,7 +9,7 @@ use glam::Vec2;
 const RIGIDITY: f32 = 0.8;
 /// Keeps the system sound where nothing is trusted.
 const LEAST: f32 = 0.002;
-const ROUNDS: usize = 4;
+const ROUNDS: usize = 6;
 
 /// What the chain is drawn to.
 pub(crate) struct Pull {
@@ -21,12 +21,13 @@ pub(crate) struct Pull {
 /// The points nearest to their targets that keep the shape of `before`, with edges of `lengths`.
 pub(crate) fn settle(before: &[Vec2], lengths: &[f32], pulls: &[Pull]) -> Vec<Vec2> {
     let n = before.len();
-    let mut points: Vec<Vec2> = pulls.iter().map(|p| p.target).collect();
     if n < 2 {
-        return points;
+        return pulls.iter().map(|p| p.target).collect();
     }
     let edge = |i: usize| (before[i + 1] - before[i]).try_normalize().unwrap_or(Vec2::X) * lengths[i];
     let rest: Vec<Vec2> = (0..n - 1).map(edge).collect();
+    // Untrusted targets must not turn the edges beside them.
+    let mut points = solve(pulls, &rest);
     for _ in 0..ROUNDS {
         let turned: Vec<Vec2> = (0..n - 1)
             .map(|e| {

@@ -150,6 +150,20 @@ mod tests {
     }
 
     #[test]
+    fn the_same_bits_with_any_number_of_threads() {
+        let wave = |f: usize, i: usize| ((i % 80) as f32 * 0.4 - 0.7 * f as f32).sin() * ((i / 80) as f32 * 0.3).cos();
+        let frame = |f: usize| Ok((0..80 * 60).flat_map(|i| [(128.0 + 90.0 * wave(f, i)) as u8; 3]).collect());
+        let points = (0..8).map(|i| Vec2::new(20.0 + 4.0 * i as f32, 30.0)).collect();
+        let limbs = [Limb { strokes: vec![Stroke { frame: 3, points }], ..Limb::default() }];
+        let with = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+            let footage = Footage { width: 80, height: 60, count: 9, frames: &frame, limbs: &limbs };
+            pool.install(|| FlowTracker::default().track(&footage, &|_| true)).expect("sound input")
+        };
+        assert!(with(1) == with(3));
+    }
+
+    #[test]
     fn stops_when_the_host_asks() {
         for looks in [0, 2, 30, 200] {
             let (mut scene, arm) = scene();

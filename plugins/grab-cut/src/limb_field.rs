@@ -1,7 +1,7 @@
 //! Where every pixel lies on the limbs of a frame: the nearest limb, how far along it, and how far to which side.
 //!
 //! Nearest points are passed from pixel to pixel in two sweeps over the picture (Danielsson 1980, "Euclidean distance
-//! mapping"), which is exact to a fraction of a pixel for points as dense as these. A limb's known radius is taken off
+//! mapping"), which is right to less than a pixel for points as dense as these. A limb's known radius is taken off
 //! its distance, so that a thin leg beside a wide body keeps what is its own.
 
 use glam::{Vec2, vec2};
@@ -180,7 +180,8 @@ mod tests {
             for x in 0..80 {
                 let truth = limbs.iter().map(|l| distance(pixel(x, y), l)).fold(f32::INFINITY, f32::min);
                 let found = field.at(x, y).expect("limbs").offset.abs();
-                assert!((found - truth).abs() < 0.6, "({x}, {y}): {found} for {truth}");
+                // Of two points in one pixel only one is passed on.
+                assert!((found - truth).abs() < 0.8, "({x}, {y}): {found} for {truth}");
             }
         }
         let beyond = field.at(70, 12).expect("limbs");

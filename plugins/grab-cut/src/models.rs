@@ -79,19 +79,20 @@ fn point_at(points: &[Vec2], along: f32) -> (Vec2, Vec2) {
     last
 }
 
-/// Both sides' mixtures.
+/// Both sides' mixtures, where there was anything to fit them to.
 pub(crate) struct Models {
     creature: Option<Mixture>,
     background: Option<Mixture>,
 }
 
+/// A mixture of samples, where there are any.
+pub(crate) fn fit(samples: &[Sample], components: usize) -> Option<Mixture> {
+    Mixture::fit(samples, components, [PLACE_FLOOR, PLACE_FLOOR, COLOUR_FLOOR, COLOUR_FLOOR, COLOUR_FLOOR], ANY)
+}
+
 impl Models {
-    pub(crate) fn fit(creature: &[Sample], background: &[Sample], components: usize) -> Self {
-        let floor = [PLACE_FLOOR, PLACE_FLOOR, COLOUR_FLOOR, COLOUR_FLOOR, COLOUR_FLOOR];
-        Self {
-            creature: Mixture::fit(creature, components, floor, ANY),
-            background: Mixture::fit(background, components, floor, ANY),
-        }
+    pub(crate) fn new(creature: Option<Mixture>, background: Option<Mixture>) -> Self {
+        Self { creature, background }
     }
 
     /// How much likelier the creature is than the background, as a natural logarithm; 0 where a side is unknown.

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use crate::cut::{Say, cut};
 use crate::footage::{Footage, Known, Limb};
 use crate::mixture::Sample;
-use crate::models::{Atlas, Models, centre, samples, thin};
+use crate::models::{Atlas, Models, centre, fit, samples, thin};
 use crate::occupancy::{Counts, Occupancy};
 use crate::tidy::tidy;
 use crate::window::{View, Window, bounds};
@@ -92,8 +92,8 @@ fn check(footage: &Footage<'_>) -> Result<(), Error> {
         return bad("the frames".into(), problem, "give frames of at least a pixel and at most 2^28");
     }
     let limbs = footage.poses.first().map_or(0, Vec::len);
-    if !footage.poses.is_empty() && (limbs == 0 || limbs > 1000) {
-        return bad("the limbs".into(), format!("there are {limbs}"), "give 1 to 1000");
+    if !footage.poses.is_empty() && (limbs == 0 || limbs > 256) {
+        return bad("the limbs".into(), format!("there are {limbs}"), "give 1 to 256");
     }
     for (f, pose) in footage.poses.iter().enumerate() {
         if pose.len() != limbs {
@@ -283,14 +283,14 @@ impl<'a> Work<'a> {
             })
             .collect();
         self.at(0.1)?;
-        let creature = thin(taken.iter().flat_map(|(c, _)| c).copied().collect());
-        let groups: Vec<_> = taken.chunks(SCENE).zip(lessons.chunks(SCENE)).collect();
         let components = self.parameters.components as usize;
+        let creature = fit(&thin(taken.iter().flat_map(|(c, _)| c).copied().collect()), components);
+        let groups: Vec<_> = taken.chunks(SCENE).zip(lessons.chunks(SCENE)).collect();
         let models: Vec<Models> = groups
             .par_iter()
             .map(|(taken, _)| {
                 let background = thin(taken.iter().flat_map(|(_, b)| b).copied().collect());
-                Models::fit(&creature, &background, components)
+                Models::new(creature.clone(), fit(&background, components))
             })
             .collect();
         let times = groups.iter().map(|(_, l)| 0.5 * (l[0].frame + l[l.len() - 1].frame) as f32).collect();

@@ -8,11 +8,12 @@
 //! The honest limit: a plugin shares the process. One that writes where it should not, overflows its stack or calls
 //! `exit` ends the host; only [`Options::probe`] tries it out in another process first.
 //!
-//! Unsafe code: `c_door` calls through `plugin.h`, `rust_door` does not need to, `library` opens files, `post` answers
+//! Unsafe code: `c_door` and `rust_door` call through the doors, `library` opens files, `post` answers
 //! a plugin's calls, `describe` reads its tables.
 
 mod brief;
 mod c_door;
+mod conformance;
 mod describe;
 mod discover;
 mod door;
@@ -21,11 +22,14 @@ mod generation;
 mod library;
 mod manifest;
 mod options;
+#[cfg(test)]
+mod overhead_tests;
 mod post;
 mod probe;
 mod quarantine;
 mod refusal;
 mod registry;
+mod rust_door;
 mod slot;
 mod stable;
 mod values;

@@ -8,12 +8,14 @@ use marey_plugin::raw;
 
 use crate::c_door::{self, LogLine};
 use crate::describe;
-use crate::door::Opened;
+use crate::door::{DoorKind, Opened};
 use crate::refusal::{Refusal, Status};
+use crate::rust_door;
 use crate::values::{self, Chosen};
 
-/// Maps `copy` and opens its door. `file` is what a person knows it by.
-pub(crate) fn open(copy: &Path, file: &Path, log: LogLine) -> Result<Opened, Refusal> {
+/// Maps `copy` and opens its door: the one that is asked for, or else the C door where there is one. `file` is what a
+/// person knows it by.
+pub(crate) fn open(copy: &Path, file: &Path, door: Option<DoorKind>, log: LogLine) -> Result<Opened, Refusal> {
     // RTLD_NOW: a function that is missing is found out here, not when it is called, which would end the process.
     // SAFETY: the library's constructors run, which nobody can vouch for; that is the loader's honest limit.
     let library = unsafe { Library::open(Some(copy), RTLD_NOW | RTLD_LOCAL) }.map_err(|e| refused(copy, file, &e))?;
@@ -31,10 +33,17 @@ pub(crate) fn open(copy: &Path, file: &Path, log: LogLine) -> Result<Opened, Ref
     };
     let opened = match entry {
         // SAFETY: what the library exports under that name; the host is leaked.
-        Ok(entry) => unsafe { c_door::open(entry.cast_const().cast(), c_door::host(log)) }.map_err(refuse)?,
-        Err(_) => {
+        Ok(entry) if door != Some(DoorKind::Rust) => {
+            unsafe { c_door::open(entry.cast_const().cast(), c_door::host(log)) }.map_err(refuse)?
+        }
+        _ => {
+            // SAFETY: the symbol is abi_stable's header, or nothing of ours; it is only looked at through `open`.
+            let header = unsafe { library.get::<*const std::ffi::c_void>(marey_plugin_abi::SYMBOL.as_bytes()) };
             let remedy = "a plugin exports mry_plugin_entry_v1 (plugin.h) or is made by marey_plugin! (sdk)";
-            return Err(Refusal::file(Status::NoEntry, file, "exports no plugin", remedy));
+            let none = |_| Refusal::file(Status::NoEntry, file, "exports no plugin", remedy);
+            let header = if door == Some(DoorKind::C) { Err(()) } else { header.map_err(drop) }.map_err(none)?;
+            // SAFETY: what the library exports under that name; it is never unloaded.
+            unsafe { rust_door::open(header.into_raw().cast_const().cast(), log) }.map_err(refuse)?
         }
     };
     describe::check(&opened.plugins).map_err(|problem| refuse((Status::Descriptor, problem)))?;

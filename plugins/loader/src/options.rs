@@ -5,6 +5,8 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
 
+use crate::door::DoorKind;
+
 /// How much a line of the log matters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LogLevel {
@@ -41,6 +43,8 @@ pub struct Options {
     pub max_generations: usize,
     /// How often the same file may hang, panic or crash before it is no longer loaded.
     pub strikes: u32,
+    /// The only door to go through; [`None`] for the C door, or the Rust door of a library that has no other.
+    pub door: Option<DoorKind>,
     /// Where the lines of the log go.
     pub log: Log,
 }
@@ -68,6 +72,7 @@ impl Options {
             settle: Duration::from_millis(300),
             max_generations: 64,
             strikes: 3,
+            door: None,
             log: Arc::new(|_, _| {}),
         }
     }

@@ -5,6 +5,7 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
+use crate::conformance;
 use crate::library;
 use crate::refusal::{Refusal, Status};
 
@@ -13,6 +14,8 @@ use crate::refusal::{Refusal, Status};
 pub enum ProbeMode {
     /// Load the file, look at what is inside, make and drop an instance of each plugin.
     Load,
+    /// Run the conformance suite on the file.
+    Check,
 }
 
 impl ProbeMode {
@@ -20,12 +23,13 @@ impl ProbeMode {
     pub fn word(self) -> &'static str {
         match self {
             Self::Load => "load",
+            Self::Check => "check",
         }
     }
 
     /// The mode of a word.
     pub fn of(word: &str) -> Option<Self> {
-        [Self::Load].into_iter().find(|mode| mode.word() == word)
+        [Self::Load, Self::Check].into_iter().find(|mode| mode.word() == word)
     }
 }
 
@@ -52,6 +56,8 @@ struct Said {
 pub fn probe_main(mode: ProbeMode, file: &Path) -> String {
     let tried = match mode {
         ProbeMode::Load => load(file).map(|()| serde_json::Value::Null),
+        // Beside the private copy, which goes away with its folder.
+        ProbeMode::Check => conformance::run(file, &file.with_extension("check")),
     };
     let answer = match tried {
         Ok(report) => Answer { refusal: None, report },
@@ -63,7 +69,7 @@ pub fn probe_main(mode: ProbeMode, file: &Path) -> String {
 }
 
 fn load(file: &Path) -> Result<(), Refusal> {
-    let opened = library::open(file, file, Box::new(|_, _| {}))?;
+    let opened = library::open(file, file, None, Box::new(|_, _| {}))?;
     library::smoke(&opened, file)
 }
 

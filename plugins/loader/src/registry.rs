@@ -21,6 +21,9 @@ use crate::slot::{Policy, Slot};
 use crate::stable::{self, Build, CopyFolder, Fingerprint};
 use crate::values::{self, Chosen, Value};
 
+/// A slow plugin takes its time on a dozen scenes.
+const CHECK_DEADLINE: std::time::Duration = std::time::Duration::from_secs(300);
+
 /// All plugins of a host. Clones are the same registry; threads may share it.
 #[derive(Clone)]
 pub struct Registry(Arc<Inner>);
@@ -187,6 +190,24 @@ impl Registry {
         }
         let of_file = state.plugins.iter().filter(|(_, known)| known.current.file == candidate.file);
         Ok(of_file.map(|(id, _)| id.clone()).collect())
+    }
+
+    /// Puts a library or a bundle through the conformance suite, in another process where there is a probe, and gives
+    /// the report. Nothing of it is loaded here then.
+    ///
+    /// # Errors
+    /// It cannot even be loaded, or it ended the process that tried it.
+    pub fn check(&self, path: &Path) -> Result<serde_json::Value, Refusal> {
+        let candidate = discover::named(path)?;
+        let build = stable::read(&candidate.file, self.0.options.settle)?;
+        Inner::look_at_bytes(&candidate, &build)?;
+        let copy = self.0.copies.copy(&build, 0)?;
+        let report = match &self.0.options.probe {
+            Some(program) => probe::run(program, ProbeMode::Check, &copy, &candidate.file, CHECK_DEADLINE),
+            None => crate::conformance::run(&copy, &copy.with_extension("check")),
+        };
+        let _ = std::fs::remove_file(&copy);
+        report
     }
 
     /// The plugins that are loaded, by their ids.
@@ -399,8 +420,8 @@ impl Inner {
         }
     }
 
-    /// The steps from a file's bytes to a build that can be used. Nothing of it runs before it was looked at.
-    fn load(&self, candidate: &Candidate, build: &Build) -> Result<Arc<Generation>, Refusal> {
+    /// What can be said of a file without mapping it: it is the one that its manifest describes, and a whole library.
+    fn look_at_bytes(candidate: &Candidate, build: &Build) -> Result<(), Refusal> {
         let file = &candidate.file;
         if let Some(expected) = &candidate.sha256
             && *expected != build.hash
@@ -416,7 +437,13 @@ impl Inner {
                 let remedy = "name a library built for this machine";
                 Refusal::file(Status::Format, file, format!("is no plugin: {what}"), remedy)
             }
-        })?;
+        })
+    }
+
+    /// The steps from a file's bytes to a build that can be used. Nothing of it runs before it was looked at.
+    fn load(&self, candidate: &Candidate, build: &Build) -> Result<Arc<Generation>, Refusal> {
+        let file = &candidate.file;
+        Self::look_at_bytes(candidate, build)?;
         self.quarantine.check(file, &build.hash)?;
         let number = {
             let state = lock(&self.state);
@@ -459,8 +486,9 @@ impl Inner {
             };
             log(level, &format!("{name}: {line}"));
         };
+        let door = self.options.door;
         let run = move || {
-            let opened = library::open(&own_copy, &own_file, Box::new(line));
+            let opened = library::open(&own_copy, &own_file, door, Box::new(line));
             let tried = opened.and_then(|opened| library::smoke(&opened, &own_file).map(|()| opened));
             let _ = done.send(tried);
         };

@@ -12,7 +12,7 @@ use marey::job::Progress;
 use marey::segment::Segmenter as _;
 use marey::track::Tracker as _;
 use marey::vec2;
-use marey_plugin_loader::{PluginKind, Policy, Registry, Status, Value};
+use marey_plugin_loader::{DoorKind, PluginKind, Policy, Registry, Status, Value};
 
 /// How a file comes to be.
 enum Made {
@@ -179,14 +179,20 @@ fn what_fails_at_work_fails_the_job_and_nothing_else() {
 }
 
 #[test]
-fn panics_in_rust_are_contained_told_and_quarantined() {
+fn panics_in_rust_are_contained_and_told_through_either_door() {
+    [DoorKind::C, DoorKind::Rust].into_iter().for_each(panics);
+}
+
+fn panics(door: DoorKind) {
     let folder = tempfile::tempdir().expect("a folder");
     let library = common::build_rust("marey-plugin-bad");
     let (mut options, lines) = common::options(folder.path());
     options.strikes = 100;
+    options.door = Some(door);
     let registry = Registry::new(options).expect("a registry");
     registry.load(&library).expect("loaded");
     let (clip, rig, progress) = (common::clip(6), common::rig(), Progress::new());
+    assert!(registry.plugins().iter().all(|p| p.door == door));
     let track = |id: &str| {
         let slot = registry.slot(id, PluginKind::Tracker, Policy::Keep).expect("a slot");
         match slot.track(&clip, &rig, progress.whole()) {
@@ -377,4 +383,33 @@ fn a_file_that_does_not_match_its_manifest_is_not_mapped() {
     assert_eq!(load("b"), (1, 0, Some(Status::Descriptor)));
     manifest("", "org.marey.bad");
     assert_eq!(load("c"), (1, 1, None));
+}
+
+#[test]
+fn the_rust_door_is_checked_before_it_is_opened() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (mut options, lines) = common::options(&folder.path().join("cache"));
+    options.door = Some(DoorKind::Rust);
+    let registry = Registry::new(options).expect("a registry");
+    let refusal = registry.load(&common::build_rust("marey-plugin-bad-layout")).expect_err("another layout");
+    assert_eq!(refusal.status, Status::Layout);
+    assert!(refusal.to_string().len() < 300, "one line for a person: {refusal}");
+    assert!(common::logged(&lines, "Layout"), "the whole of it for the log");
+
+    // The header of another abi_stable: its first bytes say which it is.
+    let good = common::build_rust("marey-plugin-bad");
+    let mut bytes = std::fs::read(&good).expect("read");
+    let magic = b"abi stable library for Rust";
+    let at: Vec<usize> = (0..bytes.len() - magic.len()).filter(|i| bytes[*i..].starts_with(magic)).collect();
+    assert!(!at.is_empty());
+    at.into_iter().for_each(|i| bytes[i] ^= 1);
+    let other = folder.path().join("other.so");
+    std::fs::write(&other, bytes).expect("written");
+    assert_eq!(registry.load(&other).expect_err("another abi_stable").status, Status::AbiVersion);
+
+    let c = folder.path().join("c.so");
+    common::build_c("bad/bad.c", &[], &c);
+    assert_eq!(registry.load(&c).expect_err("has only the other door").status, Status::NoEntry);
+    // After all of these a good one comes in, as it would not through abi_stable's own loading.
+    registry.load(&good).expect("a good one");
 }

@@ -91,7 +91,10 @@ fn read_targets(value: &Value) -> Result<Vec<Handle>, Box<dyn Error>> {
     all.iter().map(|v| place(v).ok_or_else(|| "a target is no place".into())).collect()
 }
 
-fn read_mesh(text: &str) -> Result<(Vec<Vec2>, Vec<[u32; 3]>), Box<dyn Error>> {
+/// Vertices and triangles.
+type Mesh = (Vec<Vec2>, Vec<[u32; 3]>);
+
+fn read_mesh(text: &str) -> Result<Mesh, Box<dyn Error>> {
     let (mut points, mut triangles) = (Vec::new(), Vec::new());
     for line in text.lines() {
         let words: Vec<&str> = line.split_whitespace().collect();

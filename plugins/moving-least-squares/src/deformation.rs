@@ -356,7 +356,8 @@ fn detours(
                 .filter(|(_, d)| **d <= nearest + 1.5 * mean)
                 .map(|(vertex, d)| (vertex, *d))
                 .collect();
-            let inside = paths.distances(&sources);
+            let done = 0.5 * i as f64 / bones.len() as f64;
+            let inside = paths.distances(&sources, &|| go_on(done)).ok_or(Error::Cancelled)?;
             let ratio = |(there, straight): (&f64, &f64)| {
                 if there.is_infinite() {
                     return NO_WAY;

@@ -51,8 +51,8 @@ impl Paths {
     }
 
     /// How far every vertex is from the nearest of `sources`, each with a distance of its own; infinite where there
-    /// is no way.
-    pub(crate) fn distances(&self, sources: &[(usize, f64)]) -> Vec<f64> {
+    /// is no way. `None` when `go_on`, asked every few thousand vertices, said no.
+    pub(crate) fn distances(&self, sources: &[(usize, f64)], go_on: &dyn Fn() -> bool) -> Option<Vec<f64>> {
         let mut best = vec![f64::INFINITY; self.starts.len() - 1];
         // Distances are not negative, and such numbers order like their bits.
         let mut queue = BinaryHeap::new();
@@ -62,7 +62,12 @@ impl Paths {
                 queue.push(Reverse((distance.to_bits(), vertex as u32)));
             }
         }
+        let mut taken = 0u32;
         while let Some(Reverse((bits, vertex))) = queue.pop() {
+            taken += 1;
+            if taken.is_multiple_of(1 << 13) && !go_on() {
+                return None;
+            }
             let (here, v) = (f64::from_bits(bits), vertex as usize);
             if here > best[v] {
                 continue;
@@ -75,7 +80,7 @@ impl Paths {
                 }
             }
         }
-        best
+        Some(best)
     }
 }
 
@@ -111,7 +116,7 @@ mod tests {
         let from = points.iter().position(|p| *p == dvec2(1.0, 0.0)).expect("vertex");
         let to = points.iter().position(|p| *p == dvec2(2.0, 0.0)).expect("vertex");
         let paths = Paths::new(&points, &triangles);
-        let distance = paths.distances(&[(from, 0.0)])[to];
+        let distance = paths.distances(&[(from, 0.0)], &|| true).expect("nobody stops it")[to];
         assert!((distance - 5.0).abs() < 1e-9, "{distance}");
     }
 }

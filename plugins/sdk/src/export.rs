@@ -94,6 +94,39 @@ macro_rules! marey_plugin {
             #[unsafe(no_mangle)]
             #[allow(non_upper_case_globals)]
             pub static mry_plugin_entry_v1: $crate::raw::Entry = $crate::__private::entry::<Library>();
+
+            $crate::__rust_door!(Library);
         };
     };
+}
+
+/// The second door, where it is built in.
+#[cfg(feature = "rust-door")]
+#[doc(hidden)]
+#[macro_export]
+macro_rules! __rust_door {
+    ($library:ty) => {
+        // The name under which abi_stable looks for it.
+        #[unsafe(no_mangle)]
+        #[allow(non_upper_case_globals)]
+        pub static _1as_0lib_1header_0root_bmodule_bloader: $crate::__private::export::LibHeader = {
+            extern "C" fn erased() -> $crate::__private::export::RootModuleResult {
+                fn root() -> $crate::__private::Root1_Ref {
+                    use $crate::__private::export::PrefixTypeTrait as _;
+                    $crate::__private::root::<$library>().leak_into_prefix()
+                }
+                $crate::__private::export::__call_root_module_loader(root)
+            }
+            // SAFETY: the constructor gives this root.
+            unsafe { $crate::__private::export::header(erased) }
+        };
+    };
+}
+
+/// The second door, where it is not built in.
+#[cfg(not(feature = "rust-door"))]
+#[doc(hidden)]
+#[macro_export]
+macro_rules! __rust_door {
+    ($library:ty) => {};
 }

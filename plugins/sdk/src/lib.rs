@@ -63,6 +63,8 @@ pub mod raw;
 mod rig;
 #[doc(hidden)]
 pub mod room;
+#[cfg(feature = "rust-door")]
+mod rust_door;
 pub mod testing;
 mod tracks;
 mod traits;
@@ -88,4 +90,8 @@ pub use values::Values;
 pub mod __private {
     pub use crate::c_door::entry;
     pub use crate::export::{Bundle, Registration, State, deformer, segmenter, tracker};
+    #[cfg(feature = "rust-door")]
+    pub use crate::rust_door::root;
+    #[cfg(feature = "rust-door")]
+    pub use marey_plugin_abi::{Root1_Ref, export};
 }

@@ -49,6 +49,8 @@ impl Axis {
 /// How well limbs were tracked.
 #[derive(Clone, Debug)]
 pub struct TrackScore {
+    /// As [`Self::pck05`], within a fiftieth.
+    pub pck02: f64,
     /// Per cent of points within a twentieth of the limb's length, or of the creature's size.
     pub pck05: f64,
     /// Per cent of joints within a fifth of the creature's size; only on filmed clips.
@@ -92,7 +94,7 @@ pub fn tracks(motion: &Motion, truth: &Truth, strokes: &Path, mask_dir: &Path) -
 
 fn against_axes(motion: &Motion, frames: usize, limbs: &BTreeMap<String, Axis>, keys: &BTreeSet<usize>) -> TrackScore {
     const SAMPLES: usize = 21;
-    let (mut errors, mut right, mut doubt) = (Vec::new(), 0usize, Vec::new());
+    let (mut errors, mut exact, mut right, mut doubt) = (Vec::new(), 0usize, 0usize, Vec::new());
     for (label, axis) in limbs {
         let longest = (0..frames).map(|f| polyline::length(&axis.plane(f))).fold(0.0, f32::max);
         for f in (0..frames).filter(|f| !keys.contains(f)) {
@@ -109,11 +111,13 @@ fn against_axes(motion: &Motion, frames: usize, limbs: &BTreeMap<String, Axis>, 
                 let nearest = i * (found.points.len() - 1) / (SAMPLES - 1);
                 doubt.push((1.0 - found.confidence[nearest], wrong));
                 right += usize::from(!wrong);
+                exact += usize::from(error < 0.02 * longest);
                 errors.push(f64::from(error));
             }
         }
     }
     TrackScore {
+        pck02: 100.0 * exact as f64 / errors.len() as f64,
         pck05: 100.0 * right as f64 / errors.len() as f64,
         pck20: None,
         mean_px: errors.iter().sum::<f64>() / errors.len() as f64,
@@ -152,7 +156,7 @@ fn against_joints(
         }
     }
     let frames: BTreeMap<usize, _> = truth.iter().filter_map(|(f, j)| Some((f.parse().ok()?, j))).collect();
-    let (mut errors, mut near, mut close) = (Vec::new(), 0usize, 0usize);
+    let (mut errors, mut near, mut close, mut exact) = (Vec::new(), 0usize, 0usize, 0usize);
     for (&f, joints) in frames.iter().skip(1).filter(|(f, _)| !keys.contains(f)) {
         let mask = mask_dir.join(format!("{f:05}.png"));
         let mask = image::open(&mask).with_context(|| mask.display().to_string())?.to_luma8();
@@ -165,11 +169,13 @@ fn against_joints(
             });
             near += usize::from(error < 0.2 * size);
             close += usize::from(error < 0.05 * size);
+            exact += usize::from(error < 0.02 * size);
             errors.push(error);
         }
     }
     let per_cent = |n: usize| 100.0 * n as f64 / errors.len() as f64;
     Ok(TrackScore {
+        pck02: per_cent(exact),
         pck05: per_cent(close),
         pck20: Some(per_cent(near)),
         mean_px: errors.iter().sum::<f64>() / errors.len() as f64,

@@ -9,6 +9,7 @@ use crate::say;
 use crate::watch::watch;
 
 pub(crate) fn creature(session: &Session, args: &Creature) -> Result<(), Failure> {
+    session.plugins_for(&args.drawn.plugins, &[&args.drawn.tracker, &args.segmenter])?;
     let (clip, rig) = session.open(&args.drawn)?;
     let options = CreatureOptions {
         tracker: &args.drawn.tracker,

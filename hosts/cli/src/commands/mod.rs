@@ -3,6 +3,8 @@
 mod creature;
 mod demo;
 mod info;
+mod plugin;
+mod plugin_new;
 mod segment;
 mod session_files;
 mod session_info;
@@ -11,6 +13,8 @@ mod track;
 pub(crate) use creature::creature;
 pub(crate) use demo::demo;
 pub(crate) use info::info;
+pub(crate) use plugin::{check as plugin_check, list as plugin_list, probe as plugin_probe};
+pub(crate) use plugin_new::new as plugin_new;
 pub(crate) use segment::segment;
 pub(crate) use session_files::{session_embed, session_replay};
 pub(crate) use session_info::session_info;

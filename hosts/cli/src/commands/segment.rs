@@ -9,6 +9,7 @@ use crate::say;
 use crate::watch::watch;
 
 pub(crate) fn segment(session: &Session, args: &Segment) -> Result<(), Failure> {
+    session.plugins_for(&args.drawn.plugins, &[&args.drawn.tracker, &args.segmenter])?;
     let (clip, rig) = session.open(&args.drawn)?;
     let options = SegmentOptions {
         motion: None,

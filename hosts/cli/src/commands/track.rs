@@ -10,6 +10,7 @@ use crate::watch::watch;
 
 pub(crate) fn track(session: &Session, args: &Track) -> Result<(), Failure> {
     check_file(&args.output)?;
+    session.plugins_for(&args.drawn.plugins, &[&args.drawn.tracker])?;
     let (clip, rig) = session.open(&args.drawn)?;
     let job = session.context.start_track(&clip, &rig, &TrackOptions { tracker: &args.drawn.tracker })?;
     watch(&job, &session.interrupt)?;
