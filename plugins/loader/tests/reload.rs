@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use marey::job::Progress;
 use marey::motion::Motion;
 use marey::track::Tracker as _;
-use marey_plugin_loader::{Carried, PluginKind, Policy, Registry, Rescan, Slot, Status, Value};
+use marey_plugin_loader::{Carried, DoorKind, PluginKind, Policy, Registry, Rescan, Slot, Status, Value};
 
 const ID: &str = "org.marey.bad";
 
@@ -107,6 +107,34 @@ fn two_hundred_reloads_while_a_slot_keeps_tracking() {
     assert!(grown < 1e6, "{grown} bytes for each build");
     let (retired, bytes) = registry.retired();
     assert!(retired >= 190 && bytes > 0, "{retired} builds of {bytes} bytes are retired");
+}
+
+#[test]
+fn builds_of_a_rust_library_cost_less_than_a_megabyte_each() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let bytes = std::fs::read(common::build_rust("marey-plugin-bad")).expect("read");
+    for door in [DoorKind::C, DoorKind::Rust] {
+        let (mut options, _lines) = common::options(&folder.path().join("cache"));
+        options.max_generations = 1000;
+        options.door = Some(door);
+        let registry = Registry::new(options).expect("a registry");
+        let file = folder.path().join("rust.so");
+        let load = |build: u32| {
+            // Bytes behind the last table make it another build, and change nothing else.
+            let build = [&bytes[..], &build.to_le_bytes()].concat();
+            std::fs::write(file.with_extension("tmp"), build).expect("written");
+            std::fs::rename(file.with_extension("tmp"), &file).expect("renamed");
+            registry.load(&file).expect("loaded");
+        };
+        load(0);
+        let (memory, began) = (resident(), std::time::Instant::now());
+        (1..=40).for_each(load);
+        let (each, took) = ((resident().saturating_sub(memory)) as f64 / 40.0, began.elapsed().as_secs_f64() / 40.0);
+        let (kilobytes, ms) = (each / 1e3, took * 1e3);
+        let line = format!("{door:?} door: {kilobytes:.0} KB and {ms:.1} ms for each build of a Rust library");
+        common::say("measured", &line);
+        assert!(each < 1e6, "{line}");
+    }
 }
 
 /// Bytes of memory that this process has.
