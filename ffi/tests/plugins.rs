@@ -149,6 +149,40 @@ fn a_plugin_that_fails_fails_its_job_with_its_own_status() {
     track(&f, "").expect("tracked");
 }
 
+#[test]
+fn a_new_build_takes_over_with_the_state_of_the_old_one() {
+    let f = fixture();
+    let folder = f.path("plugins");
+    std::fs::create_dir(&folder).unwrap();
+    open(&f, &folder);
+    let file = Path::new(&folder).join("bad.so");
+    build("bad/bad.c", &[], &file);
+    let bytes = std::fs::read(&file).unwrap();
+    let mark = 0x5952_4d56_u32.to_le_bytes();
+    let at = bytes.windows(4).position(|w| w == mark).unwrap() + 4;
+    // Each build shifts by its own number, and lifts by a thousand for each call that it knows of.
+    for (call, version) in [3u32, 9].into_iter().enumerate() {
+        let mut bytes = bytes.clone();
+        bytes[at..at + 4].copy_from_slice(&version.to_le_bytes());
+        std::fs::write(file.with_extension("tmp"), bytes).unwrap();
+        std::fs::rename(file.with_extension("tmp"), &file).unwrap();
+        assert_eq!(rescan(&f), 1);
+        let motion = track(&f, "org.marey.bad").expect("tracked");
+        let mut ends = [[mry_point { x: 0.0, y: 0.0 }; 64]; 2];
+        for (frame, points) in ends.iter_mut().enumerate() {
+            let (at, none, nothing) = (points.as_mut_ptr(), ptr::null_mut(), ptr::null_mut());
+            let (mut count, mut err) = (0, error());
+            let frame = frame as u64;
+            let status = unsafe {
+                mry_motion_read_frame(f.context, motion, 0, frame, at, none, nothing, 64, &mut count, &mut err)
+            };
+            assert_eq!(status, OK, "{}", text(&err.message));
+        }
+        let moved = (ends[1][0].x - ends[0][0].x, ends[1][0].y - ends[0][0].y);
+        assert_eq!(moved, (version as f32, 1000.0 * call as f32));
+    }
+}
+
 static LINES: Mutex<Vec<(i32, String)>> = Mutex::new(Vec::new());
 
 unsafe extern "C" fn keep(level: i32, message: mry_str, _user: *mut c_void) {
