@@ -1,7 +1,7 @@
 //! `cargo xtask install --prefix DIR`: the C library as a system has it; `cargo xtask library` puts it into target/marey.
 //!
 //! ```text
-//! include/marey/marey.h, marey.hpp
+//! include/marey/marey.h, marey.hpp, plugin.h
 //! lib/libmarey.so -> libmarey.so.0.1 -> libmarey.so.0.1.0      SONAME libmarey.so.0.1, symbols at MRY_0.1
 //! lib/libmarey.a
 //! lib/pkgconfig/marey.pc
@@ -82,7 +82,7 @@ pub(crate) fn build(profile: Profile, prefix: &Path) -> Result<()> {
     let (soname, full) = (format!("libmarey.so.{major}.{minor}"), format!("libmarey.so.{major}.{minor}.{patch}"));
     copy(&target().join(built).join("libmarey_ffi.a"), &lib.join("libmarey.a"))?;
     link_shared(&lib.join("libmarey.a"), private, &soname, &lib.join(&full))?;
-    for name in ["marey.h", "marey.hpp"] {
+    for name in ["marey.h", "marey.hpp", "plugin.h"] {
         copy(&root().join("include/marey").join(name), &include.join(name))?;
     }
     link(&full, &lib.join(&soname))?;

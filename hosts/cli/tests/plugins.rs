@@ -155,3 +155,40 @@ fn the_suite_says_in_plain_words_what_is_wrong() {
     let none = marey(home.path(), &["plugin", "check", "/nowhere.so"]);
     assert_eq!(none.status.code(), Some(2), "{}", err(&none));
 }
+
+#[test]
+fn the_guide_does_what_it_says() {
+    let home = tempfile::tempdir().expect("a folder");
+    let pages = ["README.md", "c.md", "publishing.md"];
+    let mut script = String::new();
+    for page in pages {
+        let text = std::fs::read_to_string(root().join("docs/plugins").join(page)).expect("a page");
+        let blocks = text.split("```sh\n").skip(1).filter_map(|rest| rest.split("\n```").next());
+        for block in blocks {
+            script += block;
+            script.push('\n');
+        }
+    }
+    assert!(script.contains("plugin new") && script.contains("sha256sum"), "{script}");
+    let programs = Path::new(env!("CARGO_BIN_EXE_marey")).parent().expect("a folder").to_owned();
+    let cargo = Path::new(env!("CARGO")).parent().expect("a folder").to_owned();
+    let path = std::env::var_os("PATH").unwrap_or_default();
+    let path = std::env::join_paths([programs, cargo].into_iter().chain(std::env::split_paths(&path))).expect("a PATH");
+    let (clip, strokes) = camel();
+    let full = |path: PathBuf| path.canonicalize().expect("a file");
+    // Cargo and rustup keep what they have in the real home.
+    let real = PathBuf::from(std::env::var_os("HOME").unwrap_or_default());
+    let mut shell = Command::new("sh");
+    shell.args(["-e", "-c", &script]).current_dir(home.path()).env("HOME", home.path()).env("PATH", path);
+    shell.env("CLIP", full(clip.into())).env("STROKES", full(strokes.into()));
+    shell.env("INCLUDE", full(root().join("include")));
+    shell.env("EXAMPLE", full(root().join("plugins/example-c/nearest.c")));
+    for (name, folder) in [("CARGO_HOME", ".cargo"), ("RUSTUP_HOME", ".rustup")] {
+        shell.env(name, std::env::var_os(name).map_or_else(|| real.join(folder), PathBuf::from));
+    }
+    for name in ["RUSTFLAGS", "CARGO_TARGET_DIR", "MAREY_PLUGIN_PATH", "XDG_DATA_HOME", "XDG_CACHE_HOME"] {
+        shell.env_remove(name);
+    }
+    let said = good(shell.output().expect("a shell"));
+    assert!(out(&said).contains("org.example.my-tracker  MyTracker"), "{}", out(&said));
+}

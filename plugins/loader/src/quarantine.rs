@@ -78,6 +78,7 @@ impl Quarantine {
 
     /// Notes a failure; gives how many there are now.
     pub(crate) fn strike(&self, hash: &str, what: &str) -> u32 {
+        let _ = fs::remove_file(self.tried_note(hash));
         let mut strikes = 0;
         self.change(|list| {
             let record = list.entry(hash.to_owned()).or_default();
@@ -91,6 +92,23 @@ impl Quarantine {
     /// Lets a file start afresh.
     pub(crate) fn forgive(&self, hash: &str) {
         self.change(|list| drop(list.remove(hash)));
+    }
+
+    /// Whether a file was tried in another process before, and was good. Another version of the host tries it anew.
+    pub(crate) fn was_tried(&self, hash: &str) -> bool {
+        self.tried_note(hash).exists()
+    }
+
+    /// Notes that a file was tried in another process, and was good.
+    pub(crate) fn tried(&self, hash: &str) {
+        let note = self.tried_note(hash);
+        // Without the note it is only tried again.
+        let _ = note.parent().map(fs::create_dir_all);
+        let _ = fs::write(note, "");
+    }
+
+    fn tried_note(&self, hash: &str) -> PathBuf {
+        self.folder.join("tried").join(format!("{hash}-{}", env!("CARGO_PKG_VERSION")))
     }
 
     /// Notes that a file is being loaded.
@@ -123,10 +141,13 @@ mod tests {
         let folder = tempfile::tempdir().expect("a folder");
         let quarantine = Quarantine::new(folder.path(), 3);
         let file = Path::new("x.so");
+        quarantine.tried("abc");
+        assert!(quarantine.was_tried("abc") && !quarantine.was_tried("other"));
         for expected in 1..=3 {
             assert!(quarantine.check(file, "abc").is_ok());
             assert_eq!(quarantine.strike("abc", "it hung"), expected);
         }
+        assert!(!quarantine.was_tried("abc"), "what failed is tried again");
         let again = Quarantine::new(folder.path(), 3);
         let refusal = again.check(file, "abc").expect_err("refused");
         assert_eq!(refusal.status, Status::Quarantined);

@@ -470,8 +470,11 @@ impl Inner {
     ) -> Result<Arc<Generation>, Refusal> {
         let file = &candidate.file;
         let deadline = self.options.load_deadline;
-        if let Some(program) = &self.options.probe {
+        if let Some(program) = &self.options.probe
+            && !self.quarantine.was_tried(&build.hash)
+        {
             probe::run(program, ProbeMode::Load, copy, file, deadline)?;
+            self.quarantine.tried(&build.hash);
         }
         let _note = self.quarantine.loading(&build.hash);
         // On a thread of its own, so that a library that hangs while it starts does not take the host's thread.

@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use marey::job::Progress;
 use marey::motion::Motion;
 use marey::track::Tracker as _;
-use marey_plugin_loader::{Carried, PluginKind, Policy, Registry, Rescan, Slot, Status, Value};
+use marey_plugin_loader::{Carried, DoorKind, PluginKind, Policy, Registry, Rescan, Slot, Status, Value};
 
 const ID: &str = "org.marey.bad";
 
@@ -59,8 +59,28 @@ fn seen(motion: &Motion) -> (u32, u32) {
     ((later.x - first.x).round() as u32, ((later.y - first.y) / 1000.0).round() as u32)
 }
 
+/// Runs a test of this file in a process of its own, where nobody else's memory is counted.
+fn alone(name: &str, argument: &str) {
+    let output = common::child(name, argument);
+    let all = String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success() && all.contains("1 passed"), "{all}");
+    all.lines().filter_map(|l| l.strip_prefix("measured: ")).for_each(|line| common::say("measured", line));
+}
+
 #[test]
 fn two_hundred_reloads_while_a_slot_keeps_tracking() {
+    alone("reloads", "");
+}
+
+#[test]
+fn builds_of_a_rust_library_cost_less_than_a_megabyte_each() {
+    alone("rust_builds", "C");
+    alone("rust_builds", "Rust");
+}
+
+#[test]
+#[ignore = "run by another, in a process of its own"]
+fn reloads() {
     let folder = tempfile::tempdir().expect("a folder");
     let builds = Builds::new(folder.path(), &[]);
     let (registry, _lines, file) = registry(folder.path());
@@ -107,6 +127,38 @@ fn two_hundred_reloads_while_a_slot_keeps_tracking() {
     assert!(grown < 1e6, "{grown} bytes for each build");
     let (retired, bytes) = registry.retired();
     assert!(retired >= 190 && bytes > 0, "{retired} builds of {bytes} bytes are retired");
+}
+
+#[test]
+#[ignore = "run by another, in a process of its own"]
+fn rust_builds() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let bytes = std::fs::read(common::build_rust("marey-plugin-bad")).expect("read");
+    let asked = std::env::var("MAREY_CHILD").unwrap_or_default();
+    let wanted = |door: &DoorKind| format!("{door:?}") == asked;
+    for door in [DoorKind::C, DoorKind::Rust].into_iter().filter(wanted) {
+        let (mut options, _lines) = common::options(&folder.path().join("cache"));
+        options.max_generations = 1000;
+        options.door = Some(door);
+        let registry = Registry::new(options).expect("a registry");
+        let file = folder.path().join("rust.so");
+        let load = |build: u32| {
+            // Bytes behind the last table make it another build, and change nothing else.
+            let build = [&bytes[..], &build.to_le_bytes()].concat();
+            std::fs::write(file.with_extension("tmp"), build).expect("written");
+            std::fs::rename(file.with_extension("tmp"), &file).expect("renamed");
+            registry.load(&file).expect("loaded");
+        };
+        // The first few find the size that buffers grow to.
+        (0..10).for_each(load);
+        let (memory, began) = (resident(), std::time::Instant::now());
+        (10..50).for_each(load);
+        let (each, took) = ((resident().saturating_sub(memory)) as f64 / 40.0, began.elapsed().as_secs_f64() / 40.0);
+        let (kilobytes, ms) = (each / 1e3, took * 1e3);
+        let line = format!("{door:?} door: {kilobytes:.0} KB and {ms:.1} ms for each build of a Rust library");
+        common::say("measured", &line);
+        assert!(each < 1e6, "{line}");
+    }
 }
 
 /// Bytes of memory that this process has.

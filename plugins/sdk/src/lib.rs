@@ -85,6 +85,11 @@ pub use tracks::{LimbTrack, Tracks};
 pub use traits::{Deformation, Deformer, Plugin, Segmenter, Tracker};
 pub use values::Values;
 
+/// The code of the guide.
+#[cfg(doctest)]
+#[doc = include_str!("../../../docs/plugins/README.md")]
+struct Guide;
+
 /// What [`marey_plugin!`] expands to; no part of the interface.
 #[doc(hidden)]
 pub mod __private {
