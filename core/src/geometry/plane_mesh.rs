@@ -10,6 +10,8 @@ use super::polygon;
 
 /// Inner corners keep this share of the spacing from the outline: nearer ones make slivers.
 const CLEARANCE: f32 = 0.6;
+/// Triangles flatter than this, height over longest edge, lie between corners of a straight rim and are left out.
+const SLIVER: f32 = 1e-3;
 /// Outlines whose edges cross are sampled more finely, so many times at most, by halves.
 const REFINEMENTS: usize = 5;
 
@@ -56,8 +58,9 @@ impl PlaneMesh {
             let t = face.vertices().map(|v| v.fix().index() as u32);
             let [a, b, c] = t.map(|v| points[v as usize]);
             let turned = (b - a).perp_dot(c - a);
-            (rows.contain((a + b + c) / 3.0) && turned != 0.0)
-                .then(|| if turned > 0.0 { t } else { [t[0], t[2], t[1]] })
+            let longest = a.distance_squared(b).max(b.distance_squared(c)).max(c.distance_squared(a));
+            let sound = turned.abs() > SLIVER * longest && rows.contain((a + b + c) / 3.0);
+            sound.then(|| if turned > 0.0 { t } else { [t[0], t[2], t[1]] })
         });
         Some(Self { triangles: triangles.collect(), points }.without_loose())
     }

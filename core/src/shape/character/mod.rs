@@ -6,7 +6,6 @@
 
 mod curve_skeleton;
 mod cutout;
-mod regions;
 mod rig_file;
 mod skeleton;
 #[cfg(test)]
@@ -15,7 +14,7 @@ mod tests;
 use glam::Vec2;
 use image::RgbaImage;
 
-pub use regions::{Regions, VertexClass};
+pub use crate::deform::{Regions, VertexClass};
 pub use skeleton::{Joint, Skeleton};
 
 use crate::error::{Error, Result};
