@@ -6,5 +6,4 @@ pub mod polyline;
 mod tri_mesh;
 
 pub use plane_mesh::PlaneMesh;
-pub(crate) use plane_mesh::signed;
 pub use tri_mesh::TriMesh;

@@ -79,9 +79,10 @@ impl PlaneMesh {
         Self { points, triangles: self.triangles.iter().map(|t| t.map(|v| kept[v as usize])).collect() }
     }
 
-    /// The area of triangle `t`.
+    /// The area of triangle `t`, positive when it turns from x to y.
     pub fn area(&self, t: usize) -> f64 {
-        signed(&self.points, self.triangles[t])
+        let [a, b, c] = self.triangles[t].map(|v| self.points[v as usize].as_dvec2());
+        0.5 * (b - a).perp_dot(c - a)
     }
 
     /// Every edge once, lower vertex first, rising, with the number of triangles on it.
@@ -129,12 +130,6 @@ impl PlaneMesh {
         }
         rims
     }
-}
-
-/// The area of a triangle with corners in `points`, positive when it turns from x to y.
-pub(crate) fn signed(points: &[Vec2], triangle: [u32; 3]) -> f64 {
-    let [a, b, c] = triangle.map(|v| points[v as usize].as_dvec2());
-    0.5 * (b - a).perp_dot(c - a)
 }
 
 /// A hexagonal grid at the largest spacing and, where less is asked for, at its halves.

@@ -1,7 +1,9 @@
 //! Motion: named tracks over time, whatever made them. Any motion can drive any shape.
 
 mod blend;
+pub mod bvh;
 mod motion_file;
+pub mod retarget;
 
 pub use blend::blend_tree;
 

@@ -29,11 +29,8 @@ pub(crate) fn thin<E>(mask: &Mask, mut on_round: impl FnMut() -> Result<(), E>) 
                     let count = n.iter().filter(|b| **b).count();
                     let rises = (0..8).filter(|&i| !n[i] && n[(i + 1) % 8]).count();
                     let [up, right, down, left] = [n[0], n[2], n[4], n[6]];
-                    let sides = if pass == 0 {
-                        !(up && right && down) && !(right && down && left)
-                    } else {
-                        !(up && right && left) && !(up && down && left)
-                    };
+                    let sides =
+                        if pass == 0 { !(right && down && (up || left)) } else { !(up && left && (right || down)) };
                     (2..=6).contains(&count) && rises == 1 && sides
                 })
                 .collect();

@@ -111,7 +111,7 @@ impl JointAreas {
             while settled.iterations < STEPS {
                 settled.iterations += 1;
                 let Some(step) = self.step(&system, damping) else {
-                    damping = 10.0 * damping;
+                    damping *= 10.0;
                     continue;
                 };
                 let mut trial = places.to_vec();

@@ -216,7 +216,8 @@ impl Needles {
             let (before, after) = (bone.tip - bone.root, tip - root);
             let parent = bone.parent.map_or(0.0, |p| posed[p].turn);
             let long = before.length() > 1e-6;
-            let angle = if long && after.length() > 1e-6 { before.angle_to(after) } else { parent };
+            let angle =
+                if long && after.length() > 1e-6 { before.perp_dot(after).atan2(before.dot(after)) } else { parent };
             let turn = parent + wrap(angle - parent);
             // A bone without length at rest is a point: what hangs on it only moves and turns.
             let along = if long { after.length() / before.length() } else { 1.0 };

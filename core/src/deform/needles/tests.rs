@@ -19,7 +19,8 @@ fn bind(deformer: NeedleDeformer, mesh: &PlaneMesh, bones: &[Handle]) -> Needles
 }
 
 fn areas(mesh: &PlaneMesh, points: &[Vec2]) -> Vec<f64> {
-    mesh.triangles.iter().map(|&t| crate::geometry::signed(points, t)).collect()
+    let moved = PlaneMesh { points: points.to_vec(), triangles: mesh.triangles.clone() };
+    (0..moved.triangles.len()).map(|t| moved.area(t)).collect()
 }
 
 fn arm() -> [Handle; 2] {
