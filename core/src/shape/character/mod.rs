@@ -6,6 +6,8 @@
 
 mod curve_skeleton;
 mod cutout;
+mod in_between;
+mod poses;
 mod rig_file;
 mod skeleton;
 #[cfg(test)]
@@ -15,6 +17,8 @@ use glam::Vec2;
 use image::RgbaImage;
 
 pub use crate::deform::{Regions, VertexClass};
+pub use in_between::{Animation, Poser};
+pub use poses::{Easing, KeyPose, Poses};
 pub use skeleton::{Joint, Skeleton};
 
 use crate::error::{Error, Result};

@@ -1,5 +1,7 @@
 use super::*;
+use crate::deform::needles::NeedleDeformer;
 use crate::job::Progress;
+use crate::motion::Motion;
 use crate::raster::Mask;
 use glam::vec2;
 
@@ -185,4 +187,121 @@ fn a_rig_file_comes_back_and_damaged_ones_are_refused() {
         let error = Character::from_json(&text.replacen(damage, with, 1)).expect_err("refused").to_string();
         assert!(error.contains(problem), "{error}");
     }
+}
+
+/// The figure with its left arm up by `degrees`, and where its joints are then.
+fn arm_up(character: &Character, degrees: f32) -> Vec<Vec2> {
+    let skeleton = &character.skeleton;
+    let hand = (0..skeleton.joints.len())
+        .min_by(|&a, &b| skeleton.joints[a].at.x.total_cmp(&skeleton.joints[b].at.x))
+        .expect("joints");
+    let bone = skeleton.bones.iter().position(|b| b[1] == hand).expect("a bone");
+    let from = skeleton.joints[skeleton.bones[bone][0]].at;
+    let mut joints = skeleton.rest();
+    joints[hand] = from + Vec2::from_angle(degrees.to_radians()).rotate(joints[hand] - from);
+    joints
+}
+
+#[test]
+fn in_betweens_are_exact_at_both_ends_and_turn_the_shorter_way() {
+    let character = rigged(&figure()).expect("a rig");
+    let (low, high) = (arm_up(&character, -50.0), arm_up(&character, 60.0));
+    let key = |frame, joints: &Vec<Vec2>| KeyPose { frame, joints: joints.clone(), ..KeyPose::default() };
+    let mut keys = vec![key(0, &low), key(10, &high), key(14, &low)];
+    keys[1].moved = vec![(5, vec2(3.0, -2.0))];
+    keys[1].easing = Easing::InOut;
+    keys[1].depth = vec![(1, 2)];
+    let poses = Poses { fps: 24.0, step: 1, keys };
+    let progress = Progress::new();
+    let own = Animation::new(&character, &NeedleDeformer::default(), poses.clone(), progress.whole()).expect("solved");
+    let mut poser = character.poser(&NeedleDeformer::default(), progress.whole()).expect("bound");
+    let mut wished = poser.pose(&high, progress.whole()).expect("posed");
+    wished[5] += vec2(3.0, -2.0);
+    assert_eq!(own.frame(10).expect("a frame"), wished);
+    assert_eq!(own.frame(0).expect("a frame"), poser.pose(&low, progress.whole()).expect("posed"));
+    assert_eq!((own.frames(), own.joints(10), own.joints(99)), (15, high.clone(), low.clone()));
+    assert_eq!((own.depths(12)[1], own.depths(3)[1]), (2, 0));
+    // Near an end there is no jump, and nothing folds on the way.
+    let farthest = |a: &[Vec2], b: &[Vec2]| a.iter().zip(b).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max);
+    for f in 0..14 {
+        let (a, b) = (own.frame(f).expect("a frame"), own.frame(f + 1).expect("a frame"));
+        assert!(farthest(&a, &b) < 95.0, "{f}");
+        let folded = character.mesh.triangles.iter().filter(|&&t| {
+            let [p, q, r] = t.map(|v| a[v as usize]);
+            (q - p).perp_dot(r - p) <= 0.0
+        });
+        assert!(folded.count() * 200 < character.mesh.triangles.len(), "{f}");
+    }
+    // Half way, the arm is half way round.
+    let middle = own.joints(5);
+    assert!(farthest(&middle, &arm_up(&character, 5.0)) < 0.1);
+    // On twos every other frame is the one before.
+    let twos = Poses { step: 2, ..poses };
+    let twos = Animation::new(&character, &NeedleDeformer::default(), twos, progress.whole()).expect("solved");
+    assert_eq!(twos.frame(4).expect("a frame"), twos.frame(5).expect("a frame"));
+    assert_eq!(twos.frame(4).expect("a frame"), own.frame(4).expect("a frame"));
+}
+
+#[test]
+fn easings_keep_their_ends() {
+    for easing in [Easing::Linear, Easing::In, Easing::Out, Easing::InOut, Easing::Hold] {
+        assert_eq!((easing.share(0.0), easing.share(1.0), easing.share(7.0)), (0.0, 1.0, 1.0));
+        let steps: Vec<f64> = (0..=20).map(|i| easing.share(f64::from(i) / 20.0)).collect();
+        assert!(steps.windows(2).all(|s| s[0] <= s[1]));
+    }
+    assert_eq!(Easing::Hold.share(0.999), 0.0);
+}
+
+#[test]
+fn a_poses_file_comes_back_and_damaged_ones_are_refused() {
+    let character = rigged(&figure()).expect("a rig");
+    let key = KeyPose {
+        frame: 3,
+        joints: arm_up(&character, 30.0),
+        easing: Easing::Out,
+        moved: vec![(7, vec2(1.0, 2.5))],
+        depth: vec![(2, -1)],
+    };
+    let poses = Poses { fps: 12.0, step: 2, keys: vec![key] };
+    let text = poses.to_json(&character);
+    assert_eq!(Poses::from_json(&text, &character).expect("comes back"), poses);
+    for (damage, with) in [
+        ("marey-poses", "marey-rig"),
+        ("\"version\":1", "\"version\":2"),
+        ("\"joint0\"", "\"elbow\""),
+        ("\"step\":2", "\"step\":0"),
+        ("[[7,", "[[70000,"),
+        ("\"keys\":[", "\"keys\":[{}"),
+    ] {
+        assert!(
+            text.contains(damage) && Poses::from_json(&text.replacen(damage, with, 1), &character).is_err(),
+            "{damage}"
+        );
+    }
+    // A joint that is left out hangs as it does at rest.
+    let partly = "{\"format\":\"marey-poses\",\"version\":1,\"keys\":[{\"frame\":0,\"joints\":{}}]}";
+    assert_eq!(Poses::from_json(partly, &character).expect("read").keys[0].joints, character.skeleton.rest());
+}
+
+#[test]
+fn a_motion_drives_the_character_by_its_joints() {
+    use crate::motion::retarget::{RestSkeleton, RetargetMap, RetargetParams, retarget};
+    use crate::motion::{Track, TrackFrame, TrackKind};
+    let character = rigged(&figure()).expect("a rig");
+    let named: Vec<(String, Vec2)> = character.skeleton.joints.iter().map(|j| (j.name.clone(), j.at)).collect();
+    let poses: Vec<Vec<Vec2>> = (0..5).map(|f| arm_up(&character, 12.0 * f as f32)).collect();
+    let track = |j: usize| Track {
+        name: named[j].0.clone(),
+        kind: TrackKind::Joint,
+        frames: poses.iter().map(|p| TrackFrame::certain(vec![p[j]])).collect(),
+    };
+    let motion =
+        Motion { size: (300, 400), fps: 24.0, frames: 5, tracks: (0..named.len()).map(track).collect(), bones: vec![] };
+    let skeleton = RestSkeleton { joints: &named, bones: &character.skeleton.bones, size: character.size };
+    let own = retarget(&motion, skeleton, &RetargetMap::default(), &RetargetParams::default()).expect("carried over");
+    let progress = Progress::new();
+    let mut poser = character.poser(&NeedleDeformer::default(), progress.whole()).expect("bound");
+    let driven = poser.frame_of(&own, 4, progress.whole()).expect("posed");
+    assert_eq!(driven, poser.pose(&poses[4], progress.whole()).expect("posed"));
+    assert!(poser.frame_of(&own, 5, progress.whole()).is_err());
 }
