@@ -1,9 +1,13 @@
 //! Deformers: a few handles move, and a plane mesh follows. Knows nothing of drawings, characters or sketches.
 
 pub mod arap;
+pub mod needles;
+mod regions;
 pub(crate) mod sparse;
 
 use glam::Vec2;
+
+pub use regions::{Regions, VertexClass};
 
 use crate::error::Result;
 use crate::job::Stage;

@@ -2,7 +2,9 @@
 
 mod blend;
 mod edit;
+pub mod bvh;
 mod motion_file;
+pub mod retarget;
 
 pub use blend::blend_tree;
 

@@ -6,6 +6,7 @@ pub(crate) mod gaussian;
 mod grid;
 pub(crate) mod guided_filter;
 mod lab;
+pub(crate) mod marching_squares;
 mod mask;
 pub(crate) mod morphology;
 mod planes;
@@ -13,6 +14,7 @@ mod push_pull;
 pub mod pyramid;
 mod rasterizer;
 pub mod sample;
+pub(crate) mod thinning;
 
 pub use grid::Grid;
 pub use mask::Mask;

@@ -1,5 +1,6 @@
 //! Shapes that a motion drives.
 
+pub mod character;
 pub mod creature;
 mod rigged_model;
 
