@@ -1,8 +1,8 @@
 //! Motion: named tracks over time, whatever made them. Any motion can drive any shape.
 
 mod blend;
-mod edit;
 pub mod bvh;
+mod edit;
 mod motion_file;
 pub mod retarget;
 
