@@ -116,7 +116,7 @@ impl MaxFlow {
         let mut turns = 0u32;
         while let Some(&front) = self.active.front() {
             turns += 1;
-            if turns.is_multiple_of(1 << 14) && !go_on() {
+            if turns.is_multiple_of(1 << 11) && !go_on() {
                 return false;
             }
             let node = front as usize;

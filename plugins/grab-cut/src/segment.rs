@@ -245,13 +245,16 @@ impl<'a> Work<'a> {
             }
             // Radii first: cells are counted by the limb that is nearest for its radius.
             if round == 0 {
-                lessons.par_iter_mut().for_each(|l| self.count(l));
+                lessons.par_iter_mut().try_for_each(|l| self.count(l))?;
                 let all = Occupancy::gather(self.guess.len(), lessons.iter().map(|l| (&l.counts, 1.0)));
                 let radius = all.radii(2.0 * self.factor as f32);
-                lessons.par_iter_mut().for_each(|l| l.view.measure(&self.footage.poses[l.frame], &radius));
+                lessons.par_iter_mut().try_for_each(|l| {
+                    l.view.measure(&self.footage.poses[l.frame], &radius);
+                    self.at(0.0)
+                })?;
                 knowledge.radius = radius;
             }
-            lessons.par_iter_mut().for_each(|l| self.count(l));
+            lessons.par_iter_mut().try_for_each(|l| self.count(l))?;
             let radius = std::mem::take(&mut knowledge.radius);
             knowledge = self.know(lessons, false)?;
             knowledge.radius = radius;
@@ -259,7 +262,8 @@ impl<'a> Work<'a> {
         Ok(knowledge)
     }
 
-    fn count(&self, lesson: &mut Lesson) {
+    fn count(&self, lesson: &mut Lesson) -> Result<(), Error> {
+        self.at(0.0)?;
         let mut counts = Counts::new(self.guess.len());
         for i in 0..lesson.view.window.len() {
             if let Some(place) = lesson.view.place(i) {
@@ -268,6 +272,7 @@ impl<'a> Work<'a> {
             }
         }
         lesson.counts = counts;
+        Ok(())
     }
 
     /// Mixtures of what is labelled so far.
@@ -279,20 +284,21 @@ impl<'a> Work<'a> {
                     true => self.first_label(lesson, i),
                     false => Some(lesson.labels[i]),
                 };
-                samples(&self.atlas, &lesson.view, 3, label)
+                self.at(0.0)?;
+                Ok(samples(&self.atlas, &lesson.view, 3, label))
             })
-            .collect();
-        self.at(0.1)?;
+            .collect::<Result<_, Error>>()?;
         let components = self.parameters.components as usize;
         let creature = fit(&thin(taken.iter().flat_map(|(c, _)| c).copied().collect()), components);
         let groups: Vec<_> = taken.chunks(SCENE).zip(lessons.chunks(SCENE)).collect();
         let models: Vec<Models> = groups
             .par_iter()
             .map(|(taken, _)| {
+                self.at(0.0)?;
                 let background = thin(taken.iter().flat_map(|(_, b)| b).copied().collect());
-                Models::new(creature.clone(), fit(&background, components))
+                Ok(Models::new(creature.clone(), fit(&background, components)))
             })
-            .collect();
+            .collect::<Result<_, Error>>()?;
         let times = groups.iter().map(|(_, l)| 0.5 * (l[0].frame + l[l.len() - 1].frame) as f32).collect();
         Ok(Knowledge { models, times, radius: Vec::new() })
     }
@@ -345,8 +351,13 @@ impl<'a> Work<'a> {
         occupancy: Option<&Occupancy>,
     ) -> Result<Vec<bool>, Error> {
         let models = self.models(knowledge, frame);
-        let says: Vec<Say> =
-            (0..view.window.len()).map(|i| self.say(view, i, view.colours[i], models, occupancy)).collect();
+        let mut says = Vec::with_capacity(view.window.len());
+        for i in 0..view.window.len() {
+            if i % view.window.width == 0 {
+                self.at(0.0)?;
+            }
+            says.push(self.say(view, i, view.colours[i], models, occupancy));
+        }
         let mut labels = cut(view.window.width, &view.colours, &says, self.parameters.smoothness, || (self.go_on)(0.0))
             .ok_or(Error::Cancelled)?;
         tidy(&mut labels, view.window.width, &self.anchors(view, frame), |i| view.known(i) == Known::Nothing);
@@ -406,6 +417,9 @@ impl<'a> Work<'a> {
         let high = (w.height * w.factor).min(self.size.1 - w.top * w.factor);
         let (mut says, mut colours) = (vec![Say::Outside(false); wide * high], vec![[0u8; 3]; wide * high]);
         for (i, &label) in labels.iter().enumerate() {
+            if i % w.width == 0 {
+                self.at(0.0)?;
+            }
             let (xs, ys) = w.pixels(i % w.width, i / w.width, self.size);
             for y in ys {
                 for x in xs.clone() {
