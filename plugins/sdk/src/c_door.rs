@@ -164,7 +164,7 @@ unsafe fn motion<'a>(raw: *const raw::Motion, frames: usize) -> Result<Motion<'a
 }
 
 /// # Safety
-/// As for [`slice`].
+/// As for `slice` above.
 unsafe fn handles(raw: *const raw::Handle, count: u32) -> Result<Vec<Handle>> {
     // SAFETY: as this function's own.
     let raw = unsafe { slice(raw, count as usize, "handles")? };
