@@ -67,7 +67,7 @@ pub(crate) struct Plugins {
 #[derive(Debug, Subcommand)]
 pub(crate) enum PluginCommand {
     /// List the plugins that are installed, and those that could not be loaded
-    List(Plugins),
+    List(PluginList),
     /// Run the conformance suite on a plugin and say what is wrong
     Check(PluginCheck),
     /// Begin a new plugin: a project that builds, passes its own tests and loads
@@ -75,6 +75,13 @@ pub(crate) enum PluginCommand {
     /// Try a plugin for another process
     #[command(hide = true)]
     Probe(PluginProbe),
+}
+
+#[derive(Debug, clap::Args)]
+pub(crate) struct PluginList {
+    /// Load this plugin too (a library or a bundle); may be repeated
+    #[arg(long, value_name = "FILE")]
+    pub(crate) plugin: Vec<PathBuf>,
 }
 
 #[derive(Debug, clap::Args)]

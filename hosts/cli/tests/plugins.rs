@@ -132,6 +132,33 @@ fn installed_plugins_are_listed_and_used_and_bad_ones_say_why() {
 }
 
 #[test]
+fn a_segmenter_in_rust_cuts_out_what_it_is_told_and_a_panic_is_one_line() {
+    let home = tempfile::tempdir().expect("a folder");
+    let mut cargo = Command::new(env!("CARGO"));
+    cargo.args(["build", "--locked", "--package", "marey-plugin-bad"]).current_dir(root());
+    good(cargo.output().expect("cargo"));
+    // Beside the program that is tested, whatever folder things are built in.
+    let beside = Path::new(env!("CARGO_BIN_EXE_marey")).with_file_name("libmarey_plugin_bad.so");
+    let library = beside.display().to_string();
+    let (clip, strokes) = camel();
+    let folder = home.path().join("masks");
+    let to = folder.display().to_string();
+    let id = "org.marey.bad.panics-in-create";
+    let plugin = ["--plugin", &library];
+    let segment = ["segment", &clip, "--strokes", &strokes, "--tracker", "paper", "--segmenter", id, "-o", &to];
+    let panics = [&segment[..], &plugin, &["--set", "org.marey.bad.panics-in-create:panic=1"]].concat();
+    let said = marey(home.path(), &panics);
+    assert_eq!(said.status.code(), Some(4), "{}", err(&said));
+    assert_eq!(err(&said).lines().count(), 1, "{}", err(&said));
+    assert!(err(&said).contains("in create") && err(&said).contains("lib.rs:") && !folder.exists(), "{}", err(&said));
+    good(marey(home.path(), &[&segment[..], &plugin].concat()));
+    assert!(folder.join("00000.png").is_file() && folder.join("report.json").is_file());
+    let report: Value =
+        serde_json::from_slice(&std::fs::read(folder.join("report.json")).expect("read")).expect("JSON");
+    assert!(report.to_string().contains(id), "the report says who did it: {report}");
+}
+
+#[test]
 fn the_suite_says_in_plain_words_what_is_wrong() {
     let home = tempfile::tempdir().expect("a folder");
     let file = home.path().join("bad.so");
@@ -186,6 +213,8 @@ fn the_guide_does_what_it_says() {
     for (name, folder) in [("CARGO_HOME", ".cargo"), ("RUSTUP_HOME", ".rustup")] {
         shell.env(name, std::env::var_os(name).map_or_else(|| real.join(folder), PathBuf::from));
     }
+    // What the project depends on is built once for both tests that build one.
+    shell.env("CARGO_BUILD_BUILD_DIR", Path::new(env!("CARGO_TARGET_TMPDIR")).join("new-plugin"));
     for name in ["RUSTFLAGS", "CARGO_TARGET_DIR", "MAREY_PLUGIN_PATH", "XDG_DATA_HOME", "XDG_CACHE_HOME"] {
         shell.env_remove(name);
     }

@@ -341,3 +341,36 @@ pub mod export {
         unsafe { LibHeader::from_constructor::<crate::Root1_Ref>(constructor, CheckTypeLayout::Yes) }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A change of any of these would shut out every plugin that was built before it.
+    #[test]
+    #[cfg(target_pointer_width = "64")]
+    fn the_interfaces_are_frozen() {
+        let sizes = [
+            ("Point1", size_of::<Point1>(), 8),
+            ("Clip1", size_of::<Clip1>(), 24),
+            ("Frame1", size_of::<Frame1>(), 32),
+            ("Limb1", size_of::<Limb1<'_>>(), 32),
+            ("Stroke1", size_of::<Stroke1<'_>>(), 32),
+            ("Paint1", size_of::<Paint1<'_>>(), 32),
+            ("Painted1", size_of::<Painted1<'_>>(), 24),
+            ("Track1", size_of::<Track1<'_>>(), 72),
+            ("Brief1", size_of::<Brief1<'_>>(), 104),
+            ("Mesh1", size_of::<Mesh1<'_>>(), 32),
+            ("Handle1", size_of::<Handle1>(), 20),
+            ("Failure1", size_of::<Failure1>(), 40),
+            ("Parameter1", size_of::<Parameter1>(), 304),
+            ("Plugin1", size_of::<Plugin1>(), 200),
+            ("Value1", size_of::<Value1<'_>>(), 48),
+            ("Log1", size_of::<Log1>(), 16),
+            ("Root1", size_of::<Root1>(), 32),
+        ];
+        let changed: Vec<_> = sizes.iter().filter(|(_, now, frozen)| now != frozen).collect();
+        assert!(changed.is_empty(), "{changed:?}");
+        assert_eq!(<Root1_Ref as RootModule>::VERSION_STRINGS.version.as_str(), "1.0.0");
+    }
+}

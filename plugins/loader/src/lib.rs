@@ -20,6 +20,7 @@ mod door;
 mod elf;
 mod generation;
 mod library;
+mod loading;
 mod manifest;
 mod options;
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! A place for a plugin to work in: an instance of a build, exchanged for one of a newer build between two calls.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
 
 use marey::job::Stage;
 
@@ -207,7 +208,7 @@ impl Slot {
         let progress = marey::job::Progress::new();
         let (post, deadline) = (Post::for_mesh(), self.registry.options.load_deadline);
         let work = move |instance: &mut dyn Instance, _: &Post| question(instance);
-        let answer = live.worker.call(&post, progress.whole(), &live.generation, deadline, work);
+        let answer = live.worker.call(&post, progress.whole(), &live.generation, deadline, &|_| {}, work);
         answer.map_err(|stop| self.refuse(stop, &live.generation))
     }
 
@@ -268,7 +269,11 @@ impl Slot {
         }
         let answer = {
             let _detach = Detach(post);
-            worker.call(post, stage, generation, self.registry.options.silence, work)
+            let slow = |silent: Duration| {
+                let line = format!("plugin {}: gave no sign of life for {:.1} s", self.id, silent.as_secs_f64());
+                (self.registry.options.log)(LogLevel::Warning, &line);
+            };
+            worker.call(post, stage, generation, self.registry.options.silence, &slow, work)
         };
         let log = |level, line: String| (self.registry.options.log)(level, &line);
         if !matches!(answer, Err(Stop::Hung(_) | Stop::LeftAtCancel)) {

@@ -95,13 +95,15 @@ impl Worker {
         let _ = self.tasks.send(Box::new(task));
     }
 
-    /// Gives the instance work and waits for what comes of it. `post` is this work's, and `stage` the engine's.
+    /// Gives the instance work and waits for what comes of it. `post` is this work's, and `stage` the engine's; `slow`
+    /// is told once of a silence that has lasted a third of what makes a hang.
     pub(crate) fn call<R: Send + 'static>(
         &self,
         post: &Arc<Post>,
         stage: Stage<'_>,
         generation: &Generation,
         silence: Duration,
+        slow: &dyn Fn(Duration),
         work: impl FnOnce(&mut dyn Instance, &Post) -> Result<R, Fault> + Send + 'static,
     ) -> Result<R, Stop> {
         let (done, wait) = channel();
@@ -111,7 +113,7 @@ impl Worker {
             let result = work(instance, &own);
             let _ = done.send(result);
         });
-        let result = wait_for(&wait, post, stage, generation, silence);
+        let result = wait_for(&wait, post, stage, generation, silence, slow);
         if matches!(result, Err(Stop::LeftAtCancel | Stop::Hung(_))) {
             post.detach();
         }
@@ -129,8 +131,10 @@ fn wait_for<R>(
     stage: Stage<'_>,
     generation: &Generation,
     silence: Duration,
+    slow: &dyn Fn(Duration),
 ) -> Result<R, Stop> {
     let mut cancelled: Option<Instant> = None;
+    let mut told = false;
     loop {
         match wait.recv_timeout(TICK) {
             Ok(Ok(result)) => return Ok(result),
@@ -150,6 +154,9 @@ fn wait_for<R>(
             cancelled = Some(Instant::now());
         } else if post.silence() >= silence {
             return Err(Stop::Hung(silence));
+        } else if !told && post.silence() >= silence / 3 {
+            told = true;
+            slow(post.silence());
         }
     }
 }

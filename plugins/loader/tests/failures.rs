@@ -12,7 +12,7 @@ use marey::job::Progress;
 use marey::segment::Segmenter as _;
 use marey::track::Tracker as _;
 use marey::vec2;
-use marey_plugin_loader::{DoorKind, PluginKind, Policy, Registry, Status, Value};
+use marey_plugin_loader::{DoorKind, LogLevel, PluginKind, Policy, Registry, Status, Value};
 
 /// How a file comes to be.
 enum Made {
@@ -293,7 +293,12 @@ fn a_hung_plugin_is_switched_off_and_can_be_switched_on() {
     let (clip, rig, progress) = (common::clip(3), common::rig(), Progress::new());
     let slot = registry.slot("org.marey.bad", PluginKind::Tracker, Policy::Keep).expect("a slot");
     assert!(slot.track(&clip, &rig, progress.whole()).is_err());
-    assert!(common::logged(&lines, "no sign of life"));
+    let warned = |level| {
+        let lines = lines.lock().expect("a lock");
+        lines.iter().any(|(l, line)| *l == level && line.contains("no sign of life"))
+    };
+    assert!(warned(LogLevel::Warning), "slow, at first");
+    assert!(warned(LogLevel::PluginMisbehaving), "then hung");
     drop(clip);
     assert_eq!(
         registry.slot("org.marey.bad", PluginKind::Tracker, Policy::Keep).expect_err("off").status,

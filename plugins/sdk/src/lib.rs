@@ -46,6 +46,7 @@
 //! Frames count from 0.
 
 mod c_door;
+mod c_input;
 mod clip;
 mod descriptors;
 mod error;

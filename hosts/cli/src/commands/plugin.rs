@@ -1,20 +1,22 @@
 //! `marey plugin (list | check FILE | new NAME | probe MODE FILE)`
 
+use std::path::PathBuf;
+
 use serde_json::{Value, json};
 
 use marey_binding::{Plugin, PluginKind, PluginOptions, PluginParameterKind};
 
 use super::{Session, utf8};
-use crate::args::{PluginCheck, PluginProbe, Plugins};
+use crate::args::{PluginCheck, PluginList, PluginProbe, Plugins};
 use crate::failure::{BAD_INPUT, FAILED, Failure};
 use crate::say;
 
 impl Session {
     /// Lets this run use plugins: those in the folders that the environment names, and the files that were named.
-    pub(crate) fn use_plugins(&self, plugins: &Plugins) -> Result<(), Failure> {
+    pub(crate) fn use_plugins(&self, files: &[PathBuf]) -> Result<(), Failure> {
         self.open_plugins()?;
         self.context.rescan_plugins()?;
-        for file in &plugins.plugin {
+        for file in files {
             self.context.load_plugin(utf8(file)?)?;
         }
         Ok(())
@@ -25,7 +27,7 @@ impl Session {
         if plugins.plugin.is_empty() && plugins.set.is_empty() && !ids.iter().any(|id| id.contains('.')) {
             return Ok(());
         }
-        self.use_plugins(plugins)?;
+        self.use_plugins(&plugins.plugin)?;
         for choice in &plugins.set {
             self.choose(choice)?;
         }
@@ -73,8 +75,8 @@ fn kind(plugin: &Plugin) -> &'static str {
 }
 
 /// Shows what is loaded, and what is not and why.
-pub(crate) fn list(session: &Session, plugins: &Plugins) -> Result<(), Failure> {
-    session.use_plugins(plugins)?;
+pub(crate) fn list(session: &Session, args: &PluginList) -> Result<(), Failure> {
+    session.use_plugins(&args.plugin)?;
     let (loaded, failures) = (session.context.plugins()?, session.context.plugin_failures()?);
     if session.json {
         let mut rows = Vec::new();
