@@ -22,6 +22,9 @@ pub const MRY_PARAMETER_SWITCH: i32 = 2;
 /// Kind of a parameter: one of choice_count names, by its index.
 pub const MRY_PARAMETER_CHOICE: i32 = 3;
 
+/// Kind of a parameter: a line of text, see mry_session_set_text.
+pub const MRY_PARAMETER_TEXT: i32 = 4;
+
 /// What a parameter is.
 #[repr(C)]
 #[derive(Clone, Copy)]
@@ -89,6 +92,7 @@ fn value_in(parameter: &Parameter, number: f64) -> Outcome<Value> {
         Kind::Number(..) | Kind::Whole(..) => Some(Value::Number(number)),
         Kind::Switch => whole(2).map(|i| Value::Switch(i == 1)),
         Kind::Choice(names) => whole(names.len()).map(|i| Value::Choice(names[i].to_owned())),
+        Kind::Text => None,
     };
     let bad = |message: String| Failure::argument("value", message);
     let value = value.ok_or_else(|| bad(format!("parameter `{}` does not take {number}", parameter.name)))?;
@@ -131,6 +135,7 @@ pub unsafe extern "C" fn mry_parameter_get_info(
             Kind::Whole(low, high) => (MRY_PARAMETER_WHOLE, low, high),
             Kind::Switch => (MRY_PARAMETER_SWITCH, 0.0, 1.0),
             Kind::Choice(names) => (MRY_PARAMETER_CHOICE, 0.0, names.len() as f64 - 1.0),
+            Kind::Text => (MRY_PARAMETER_TEXT, 0.0, 0.0),
         };
         let mut info = mry_parameter_info {
             struct_size: 0,
@@ -209,6 +214,69 @@ pub unsafe extern "C" fn mry_session_set_parameter(
     entry!(context, err, |call| {
         let parameter = named(name)?;
         call.choose(session, parameter, Some(value_in(parameter, value)?))
+    })
+}
+
+/// Chooses the text of a parameter of kind MRY_PARAMETER_TEXT in a session, such as "track.plugin": the id of the plugin
+/// that works in place of the built-in tracker.
+///
+/// @param context  The context.
+/// @param session  The session.
+/// @param name     The parameter's name.
+/// @param text     A line of at most 127 bytes; empty for the default.
+/// @param err      Detail of a failure, or NULL.
+/// @return MRY_OK; MRY_E_NOT_FOUND (name), MRY_E_ARGUMENT (text, or a parameter of another kind), MRY_E_STRING,
+///         MRY_E_INPUT (the session is read-only), MRY_E_IO, MRY_E_BUSY.
+/// Thread: [any-thread]. Since 0.1.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mry_session_set_text(
+    context: *mut mry_context,
+    session: mry_session,
+    name: mry_str,
+    text: mry_str,
+    err: *mut mry_error,
+) -> mry_status {
+    entry!(context, err, |call| {
+        let (parameter, text) = (named(name)?, text.text("text")?);
+        let value = Value::Choice(text.to_owned());
+        if parameter.kind != Kind::Text {
+            let message = format!("parameter `{}` takes no text; see mry_session_set_parameter", parameter.name);
+            return Err(Failure::argument("name", message));
+        }
+        parameter.check(&value).map_err(|e| Failure::argument("text", e.to_string()))?;
+        call.choose(session, parameter, Some(value).filter(|_| !text.is_empty()))
+    })
+}
+
+/// The text of a parameter of kind MRY_PARAMETER_TEXT in a session, chosen or by default.
+///
+/// @param context   The context.
+/// @param session   The session.
+/// @param name      The parameter's name.
+/// @param text      Where the text goes, UTF-8 with a NUL; NULL with capacity 0 to ask for the size.
+/// @param capacity  Bytes at text.
+/// @param out_size  Bytes needed, with the NUL.
+/// @param err       Detail of a failure, or NULL.
+/// @return MRY_OK; MRY_E_NOT_FOUND (name), MRY_E_ARGUMENT (a parameter of another kind), MRY_E_BUFFER_TOO_SMALL,
+///         MRY_E_STRING, MRY_E_BUSY.
+/// Thread: [any-thread]. Since 0.1.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mry_session_get_text(
+    context: *mut mry_context,
+    session: mry_session,
+    name: mry_str,
+    text: *mut c_char,
+    capacity: usize,
+    out_size: *mut usize,
+    err: *mut mry_error,
+) -> mry_status {
+    entry!(context, err, |call| {
+        let parameter = named(name)?;
+        let out = Text::new(text, capacity, out_size, "text")?;
+        call.session(session, |document| match document.session.document().inputs.settings.get(parameter.name)? {
+            Value::Choice(text) if parameter.kind == Kind::Text => out.fill(&text),
+            _ => Err(Failure::argument("name", format!("parameter `{}` has no text", parameter.name))),
+        })
     })
 }
 

@@ -11,10 +11,11 @@ use std::sync::Arc;
 
 use marey::motion::Motion;
 use marey::pipeline::{self, PipelineOptions};
-use marey::segment::CostVolumeSegmenter;
-use marey::session::{Chosen, Document, Incremental, Inputs, Tracked};
+use marey::segment::{CostVolumeSegmenter, SegmentParams, Segmenter};
+use marey::session::{Chosen, Document, Helpers, Incremental, Inputs, Tracked};
 use marey::track::Tracker;
-use marey::track::limb::LimbTracker;
+use marey::track::limb::{LimbParams, LimbTracker};
+use marey_plugin_loader::PluginKind;
 
 use crate::border::{List, Out};
 use crate::context::mry_context;
@@ -50,10 +51,10 @@ pub(crate) struct ForSession {
 
 impl Call<'_> {
     fn session_track_work(&self, session: mry_session) -> Outcome<Work> {
-        let (clip, inputs, tracked, Chosen { track, .. }) = self.session_inputs(session)?;
+        let (clip, inputs, tracked, Chosen { track, helpers, .. }) = self.session_inputs(session)?;
+        let tracker = self.session_tracker(&helpers, track)?;
         Ok(Box::new(move |progress| {
-            let tracker = LimbTracker { params: track };
-            let tracker = Incremental { tracker: &tracker, inputs: &inputs, tracked: tracked.as_ref() };
+            let tracker = Incremental { tracker: &*tracker, inputs: &inputs, tracked: tracked.as_ref() };
             let motion = Arc::new(tracker.track(&clip, &inputs.rig, progress.whole())?);
             let made = ForSession { session: session.v, inputs, motion: motion.clone(), creature: false };
             Ok(Product { motion: Part::Made(motion), for_session: Part::Made(made), ..Product::default() })
@@ -64,11 +65,12 @@ impl Call<'_> {
         // SAFETY: the string is valid, as the header asks.
         let folder = if folder.len == 0 { None } else { Some(PathBuf::from(unsafe { folder.name("folder")? })) };
         let (clip, inputs, tracked, chosen) = self.session_inputs(session)?;
+        let Chosen { helpers, track, segment, creature, export, .. } = chosen;
+        let tracker = self.session_tracker(&helpers, track)?;
+        let segmenter = self.session_segmenter(&helpers, segment)?;
         Ok(Box::new(move |progress| {
-            let Chosen { track, segment, creature, export, .. } = chosen;
-            let (tracker, segmenter) = (LimbTracker { params: track }, CostVolumeSegmenter { params: segment });
-            let tracker = Incremental { tracker: &tracker, inputs: &inputs, tracked: tracked.as_ref() };
-            let mut options = PipelineOptions::new(&tracker, &segmenter);
+            let tracker = Incremental { tracker: &*tracker, inputs: &inputs, tracked: tracked.as_ref() };
+            let mut options = PipelineOptions::new(&tracker, &*segmenter);
             options.creature = creature;
             options.settings = serde_json::to_value(&inputs.settings).unwrap_or_default();
             let whole = progress.whole();
@@ -89,6 +91,24 @@ impl Call<'_> {
                 ..Product::default()
             })
         }))
+    }
+
+    /// The tracker that is chosen in a session: a plugin, or the built-in one.
+    fn session_tracker(&self, helpers: &Helpers, params: LimbParams) -> Outcome<Arc<dyn Tracker>> {
+        if helpers.tracker.is_empty() {
+            return Ok(Arc::new(LimbTracker { params }));
+        }
+        let slot = self.context.plugins.slot(&helpers.tracker, PluginKind::Tracker);
+        slot.map_err(|e| e.about("session"))?.map_or_else(|| Err(no_plugin(&helpers.tracker)), |slot| Ok(slot as _))
+    }
+
+    /// The segmenter that is chosen in a session: a plugin, or the built-in one.
+    fn session_segmenter(&self, helpers: &Helpers, params: SegmentParams) -> Outcome<Arc<dyn Segmenter>> {
+        if helpers.segmenter.is_empty() {
+            return Ok(Arc::new(CostVolumeSegmenter { params }));
+        }
+        let slot = self.context.plugins.slot(&helpers.segmenter, PluginKind::Segmenter);
+        slot.map_err(|e| e.about("session"))?.map_or_else(|| Err(no_plugin(&helpers.segmenter)), |slot| Ok(slot as _))
     }
 
     /// What a job works on: the clip, what is drawn, which fits it, what was tracked before, and what is chosen.
@@ -125,14 +145,20 @@ impl Call<'_> {
     }
 }
 
+fn no_plugin(id: &str) -> Failure {
+    let message = format!("the session works with plugin {id}, which is not loaded; load it, or choose another");
+    Failure::new(Code::MRY_E_PLUGIN_NOT_FOUND, "session", message)
+}
+
 /// Starts tracking a session. Gives a motion.
 ///
 /// @param context  The context.
 /// @param session  The session.
 /// @param out_job  The job, to be taken in by mry_session_take.
 /// @param err      Detail of a failure, or NULL.
-/// @return MRY_OK; MRY_E_NOT_FOUND (there is no clip), MRY_E_INPUT (the rig is not valid for the clip), what
-///         mry_clip_open returns, MRY_E_BUSY.
+/// @return MRY_OK; MRY_E_NOT_FOUND (there is no clip), MRY_E_INPUT (the rig is not valid for the clip),
+///         MRY_E_PLUGIN_NOT_FOUND, MRY_E_PLUGIN_DISABLED (the plugin that is chosen), what mry_clip_open returns,
+///         MRY_E_BUSY.
 /// Lifetime: until mry_job_destroy or the end of the context; the session may be edited and go before.
 /// Thread: [any-thread]. Since 0.1.
 #[unsafe(no_mangle)]
@@ -158,8 +184,9 @@ pub unsafe extern "C" fn mry_session_start_track(
 /// @param folder   Where to write everything, see mry_creature_write_folder; empty for nowhere.
 /// @param out_job  The job, to be taken in by mry_session_take.
 /// @param err      Detail of a failure, or NULL.
-/// @return MRY_OK; MRY_E_NOT_FOUND (there is no clip), MRY_E_INPUT (the rig is not valid for the clip), what
-///         mry_clip_open returns, MRY_E_BUSY.
+/// @return MRY_OK; MRY_E_NOT_FOUND (there is no clip), MRY_E_INPUT (the rig is not valid for the clip),
+///         MRY_E_PLUGIN_NOT_FOUND, MRY_E_PLUGIN_DISABLED (the plugin that is chosen), what mry_clip_open returns,
+///         MRY_E_BUSY.
 /// Lifetime: until mry_job_destroy or the end of the context; the session may be edited and go before.
 /// Thread: [any-thread]. Since 0.1.
 #[unsafe(no_mangle)]

@@ -216,3 +216,46 @@ fn what_plugins_do_is_in_the_hosts_log() {
     std::thread::sleep(std::time::Duration::from_millis(2500));
     assert_eq!(LINES.lock().unwrap().len(), count);
 }
+
+#[test]
+fn a_session_is_tracked_by_the_plugin_chosen_in_it_and_knows_when_that_changes() {
+    let f = fixture();
+    let (session, folder, mut err) = (f.session(), f.path("plugins"), error());
+    std::fs::create_dir(&folder).unwrap();
+    build("example-c/nearest.c", &[], &Path::new(&folder).join("nearest.so"));
+    open(&f, &folder);
+    rescan(&f);
+    let outdated = || unsafe {
+        let mut count = 0;
+        let status =
+            mry_session_get_outdated(f.context, session, 0, ptr::null_mut(), 0, &mut count, &mut error());
+        assert!(status == OK || status == code(MRY_E_BUFFER_TOO_SMALL));
+        count
+    };
+    let json = || unsafe {
+        let (mut motion, mut text_of, mut size, mut err) = (mry_motion::default(), vec![0; 1 << 18], 0, error());
+        assert_eq!(mry_session_get_motion(f.context, session, &mut motion, &mut err), OK);
+        let at = text_of.as_mut_ptr();
+        assert_eq!(mry_motion_to_json(f.context, motion, at, text_of.len(), &mut size, &mut err), OK);
+        text(&text_of)
+    };
+    let choose = |id: &str| unsafe {
+        assert_eq!(mry_session_set_text(f.context, session, str("track.plugin"), str(id), &mut error()), OK);
+    };
+    unsafe {
+        assert_eq!(mry_session_run_track(f.context, session, &mut err), OK, "{}", text(&err.message));
+        let built_in = json();
+        assert_eq!(outdated(), 0);
+        choose(NEAREST);
+        assert_eq!(outdated(), 1, "another tracker, another motion");
+        assert_eq!(mry_session_run_track(f.context, session, &mut err), OK, "{}", text(&err.message));
+        assert_ne!(json(), built_in);
+        assert_eq!(outdated(), 0);
+        assert_eq!(mry_session_undo(f.context, session, &mut err), OK);
+        assert_eq!(mry_session_undo(f.context, session, &mut err), OK);
+        assert_eq!((outdated(), json() == built_in), (0, true), "both are steps of undo");
+        choose("org.example.none");
+        assert_eq!(mry_session_run_track(f.context, session, &mut err), code(MRY_E_PLUGIN_NOT_FOUND));
+        assert!(text(&err.message).contains("org.example.none"));
+    }
+}

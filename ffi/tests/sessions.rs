@@ -247,6 +247,23 @@ fn values_that_make_no_sense_are_refused_and_change_nothing() {
         mry_parameter_info_init(&mut info, size_of::<mry_parameter_info>() as u32);
         while mry_parameter_get_info(c, index, &mut info, NO_ERROR) == OK {
             let name = text(&info.name);
+            if info.kind == MRY_PARAMETER_TEXT {
+                assert_eq!(set(&name, 0.0), code(MRY_E_ARGUMENT), "{name} takes no number");
+                let words = |text: &str| mry_session_set_text(c, session, str(&name), str(text), NO_ERROR);
+                let long = "x".repeat(128);
+                assert_eq!((words(&long), words("a\tb"), words("org.none")), (code(MRY_E_ARGUMENT), code(MRY_E_ARGUMENT), OK));
+                let kept = read(|t, n, size| mry_session_get_text(c, session, str(&name), t, n, size, NO_ERROR));
+                assert_eq!(kept.unwrap(), "org.none");
+                let mut job = mry_job::default();
+                let started = match name.as_str() {
+                    "track.plugin" => mry_session_start_track(c, session, &mut job, NO_ERROR),
+                    _ => mry_session_start_creature(c, session, str(""), &mut job, NO_ERROR),
+                };
+                assert_eq!(started, code(MRY_E_PLUGIN_NOT_FOUND), "{name}");
+                assert_eq!(words(""), OK);
+                index += 1;
+                continue;
+            }
             for value in [info.low, info.high, info.default_value] {
                 assert_eq!(set(&name, value), OK, "{name} {value}");
                 let mut read = f64::NAN;
@@ -272,7 +289,8 @@ fn every_bound_of_a_parameter_makes_a_creature_or_says_why_not() {
     unsafe { mry_parameter_info_init(&mut info, size_of::<mry_parameter_info>() as u32) };
     while unsafe { mry_parameter_get_info(c, index, &mut info, NO_ERROR) } == OK {
         let name = text(&info.name);
-        for value in [info.low, info.high] {
+        let bounds: &[f64] = if info.kind == MRY_PARAMETER_TEXT { &[] } else { &[info.low, info.high] };
+        for &value in bounds {
             let (mut creature, mut err) = (mry_creature::default(), error());
             unsafe {
                 assert_eq!(mry_session_set_parameter(c, session, str(&name), value, &mut err), OK);

@@ -794,6 +794,17 @@ public:
     return detail::perform(
       [&](mry_error *err) { return mry_session_set_parameter(c(), id_, detail::str(name), value, err); });
   }
+  /** Chooses the text of a parameter, such as "track.plugin"; empty for the default. */
+  result<void> set_text(std::string_view name, std::string_view text) {
+    return detail::perform(
+      [&](mry_error *err) { return mry_session_set_text(c(), id_, detail::str(name), detail::str(text), err); });
+  }
+  /** The text of a parameter, chosen or by default. */
+  result<std::string> text(std::string_view name) const {
+    return detail::text([&](char *text, std::size_t capacity, std::size_t *size, mry_error *err) {
+      return mry_session_get_text(c(), id_, detail::str(name), text, capacity, size, err);
+    });
+  }
   /** Gives a parameter its default value again. */
   result<void> reset_parameter(std::string_view name) {
     return detail::perform(
@@ -1015,6 +1026,51 @@ public:
     return make<session, mry_session>([&](mry_session *id, mry_error *err) {
       return mry_session_replay(get(), detail::str(path), most, id, err);
     });
+  }
+  /** Opens the registry of plugins; once. Start from MRY_PLUGINS_DESC_INIT. */
+  result<void> open_plugins(const mry_plugins_desc &desc) const {
+    return detail::perform([&](mry_error *err) { return mry_plugins_open(get(), &desc, err); });
+  }
+  /** Loads what is new in the plugin folders, and new builds; gives how many files changed. */
+  result<std::uint32_t> rescan_plugins() const {
+    std::uint32_t changes = 0;
+    return detail::perform([&](mry_error *err) { return mry_plugins_rescan(get(), &changes, err); },
+                           [&] { return changes; });
+  }
+  /** Loads one plugin library or bundle. */
+  result<void> load_plugin(std::string_view file) const {
+    return detail::perform([&](mry_error *err) { return mry_plugins_load(get(), detail::str(file), err); });
+  }
+  /** One of the plugins that are loaded. Fails with MRY_E_NOT_FOUND after the last. */
+  result<mry_plugin_info> plugin(std::uint32_t index) const {
+    mry_plugin_info info = MRY_PLUGIN_INFO_INIT;
+    return detail::perform([&](mry_error *err) { return mry_plugin_get_info(get(), index, &info, err); },
+                           [&] { return info; });
+  }
+  /** Why one of the files that are no plugins was not loaded. Fails with MRY_E_NOT_FOUND after the last. */
+  result<std::string> plugin_failure(std::uint32_t index) const {
+    return detail::text([&](char *text, std::size_t capacity, std::size_t *size, mry_error *err) {
+      mry_status status = MRY_OK;
+      return mry_plugin_get_failure(get(), index, &status, text, capacity, size, err);
+    });
+  }
+  /** One of a plugin's parameters. Fails with MRY_E_NOT_FOUND after the last. */
+  result<mry_plugin_parameter_info> plugin_parameter(std::string_view id, std::uint32_t index) const {
+    mry_plugin_parameter_info info = MRY_PLUGIN_PARAMETER_INFO_INIT;
+    return detail::perform(
+      [&](mry_error *err) { return mry_plugin_get_parameter(get(), detail::str(id), index, &info, err); },
+      [&] { return info; });
+  }
+  /** Chooses the value of a plugin's parameter. */
+  result<void> set_plugin_number(std::string_view id, std::string_view name, double value) const {
+    return detail::perform([&](mry_error *err) {
+      return mry_plugin_set_number(get(), detail::str(id), detail::str(name), value, err);
+    });
+  }
+  /** Switches a plugin off, or on again. */
+  result<void> enable_plugin(std::string_view id, bool enabled) const {
+    return detail::perform(
+      [&](mry_error *err) { return mry_plugin_set_enabled(get(), detail::str(id), enabled ? 1 : 0, err); });
   }
   /** One of the parameters of sessions. Fails with MRY_E_NOT_FOUND after the last. */
   result<mry_parameter_info> parameter(std::uint32_t index) const {

@@ -32,7 +32,7 @@ pub use document::{Document, Inputs, Tracked};
 pub use embedded::UnpackedMedia;
 pub use incremental::Incremental;
 pub use outdated::{Outdated, OutdatedLimb};
-pub use parameters::{Chosen, Kind, PARAMETERS, Parameter, Settings, Value};
+pub use parameters::{Chosen, Helpers, Kind, LONGEST, PARAMETERS, Parameter, Settings, Value};
 pub use store::Access;
 
 use std::sync::Arc;

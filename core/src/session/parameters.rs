@@ -21,7 +21,7 @@ pub enum Value {
     Switch(bool),
     /// Of a number, finite.
     Number(f64),
-    /// Of a choice.
+    /// Of a choice, or a text.
     Choice(String),
 }
 
@@ -36,12 +36,28 @@ pub enum Kind {
     Whole(f64, f64),
     /// One of these.
     Choice(&'static [&'static str]),
+    /// A line of text of at most [`LONGEST`] bytes; empty by default.
+    Text,
+}
+
+/// The longest text, in bytes: that of a plugin's id.
+pub const LONGEST: usize = 127;
+
+/// Which plugins work in place of what is built in, by their ids; empty for none.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Helpers {
+    /// The tracker.
+    pub tracker: String,
+    /// The segmenter.
+    pub segmenter: String,
 }
 
 /// Everything that can be chosen, chosen.
 #[derive(Clone, Debug, Default)]
 #[non_exhaustive]
 pub struct Chosen {
+    /// Who works in place of what is built in.
+    pub helpers: Helpers,
     /// How limbs are followed.
     pub track: LimbParams,
     /// How the creature is cut out.
@@ -114,12 +130,30 @@ macro_rules! choice {
     };
 }
 
+macro_rules! helper {
+    ($name:literal, $field:ident, $about:literal) => {
+        Parameter {
+            name: $name,
+            kind: Kind::Text,
+            about: $about,
+            get: |chosen| Value::Choice(chosen.helpers.$field.clone()),
+            set: |chosen, value| {
+                if let Value::Choice(id) = value {
+                    chosen.helpers.$field.clone_from(id);
+                }
+            },
+        }
+    };
+}
+
 /// All parameters, in the order in which they are shown.
-pub static PARAMETERS: [Parameter; 28] = [
+pub static PARAMETERS: [Parameter; 30] = [
+    helper!("track.plugin", tracker, "The plugin that follows limbs, by its id; empty for the built-in tracker."),
     choice!(track.method, "space-time" => limb::Method::SpaceTime, "paper" => limb::Method::Paper;
         "How limbs are followed between key frames."),
     number!(Whole(128.0, 4096.0), track.working_side, "Longest side of the image that is tracked on, in pixels."),
     number!(Number(4.0, 64.0), track.spacing, "Distance between the points of a limb, in pixels of a 512-pixel clip."),
+    helper!("segment.plugin", segmenter, "The plugin that cuts the creature out, by its id; empty for the built-in."),
     choice!(segment.method, "layered" => segment::Method::Layered, "paper" => segment::Method::Paper;
         "How the creature is told from what is around it."),
     number!(Whole(128.0, 4096.0), segment.working_side, "Longest side of the image that is cut, in pixels."),
@@ -185,6 +219,10 @@ impl Parameter {
             (Kind::Choice(names), value) => (
                 matches!(value, Value::Choice(name) if names.contains(&name.as_str())),
                 format!("expected one of {}", names.join(", ")),
+            ),
+            (Kind::Text, value) => (
+                matches!(value, Value::Choice(text) if text.len() <= LONGEST && !text.contains(char::is_control)),
+                format!("expected a line of at most {LONGEST} bytes"),
             ),
         };
         if fits {
@@ -255,6 +293,7 @@ mod tests {
                 Kind::Switch => vec![Value::Switch(true), Value::Switch(false)],
                 Kind::Number(low, high) | Kind::Whole(low, high) => vec![Value::Number(low), Value::Number(high)],
                 Kind::Choice(names) => names.iter().map(|n| Value::Choice((*n).to_owned())).collect(),
+                Kind::Text => vec![Value::Choice("org.example.nearest".into())],
             };
             for value in good {
                 let mut settings = Settings::default();
@@ -262,7 +301,8 @@ mod tests {
                 assert_eq!((parameter.get)(&settings.resolve()), value, "{name}");
             }
             let bad = [f64::NAN, f64::INFINITY, -1.0, 1e12].map(Value::Number);
-            for value in bad.into_iter().chain([Value::Choice("nothing".into())]) {
+            let text = if parameter.kind == Kind::Text { "two\nlines" } else { "nothing" };
+            for value in bad.into_iter().chain([Value::Choice(text.into())]) {
                 assert!(parameter.check(&value).is_err(), "{name} {value:?}");
             }
         }

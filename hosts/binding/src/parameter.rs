@@ -1,6 +1,6 @@
 //! What can be chosen about tracking, segmenting, reconstructing and exporting.
 
-use marey_ffi::{MRY_PARAMETER_CHOICE, MRY_PARAMETER_SWITCH, MRY_PARAMETER_WHOLE};
+use marey_ffi::{MRY_PARAMETER_CHOICE, MRY_PARAMETER_SWITCH, MRY_PARAMETER_TEXT, MRY_PARAMETER_WHOLE};
 
 use crate::session::found;
 use crate::{Context, Result, sys};
@@ -29,6 +29,8 @@ pub enum ParameterKind {
     Switch,
     /// The index of one of these.
     Choice(Vec<String>),
+    /// A line of text, see [`crate::Session::set_text`].
+    Text,
 }
 
 impl Context {
@@ -46,6 +48,7 @@ impl Context {
                 let name = |choice| sys::parameter_choice(&self.0, index, choice);
                 ParameterKind::Choice((0..info.choice_count).map(name).collect::<Result<_>>()?)
             }
+            MRY_PARAMETER_TEXT => ParameterKind::Text,
             _ => ParameterKind::Number(info.low, info.high),
         };
         let (name, about) = (sys::text(&info.name), sys::text(&info.about));

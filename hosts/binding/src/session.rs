@@ -232,6 +232,16 @@ impl Session {
         Ok(motion.map(|id| Motion { id, context: self.context.clone() }))
     }
 
+    /// Chooses the text of a parameter, such as `track.plugin`; empty for the default.
+    pub fn set_text(&self, name: &str, text: &str) -> Result<()> {
+        sys::session_set_text(&self.context.0, self.id, name, text)
+    }
+
+    /// The text of a parameter, chosen or by default.
+    pub fn text(&self, name: &str) -> Result<String> {
+        sys::session_text(&self.context.0, self.id, name)
+    }
+
     /// Adds a limb behind the others; gives its index.
     pub fn add_limb(&self, label: &str, side: Side) -> Result<u32> {
         sys::session_add_limb(&self.context.0, self.id, label, side.code())

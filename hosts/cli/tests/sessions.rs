@@ -76,6 +76,12 @@ fn what_a_host_does_is_undone_and_lasts() {
             ParameterKind::Number(low, _) | ParameterKind::Whole(low, _) => low,
             ParameterKind::Switch => 0.0,
             ParameterKind::Choice(names) => names.len() as f64 - 1.0,
+            ParameterKind::Text => {
+                session.set_text(&parameter.name, "org.example.none").unwrap();
+                assert_eq!(session.text(&parameter.name).unwrap(), "org.example.none");
+                session.set_text(&parameter.name, "").unwrap();
+                continue;
+            }
         };
         session.begin_gesture("cancelled").unwrap();
         session.set_parameter(&parameter.name, Some(value)).unwrap();

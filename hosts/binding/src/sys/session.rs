@@ -196,6 +196,14 @@ pub(crate) fn session_set_parameter(handle: &Handle, session: mry_session, name:
     call!(mry_session_set_parameter(handle, session, str(name), value)).map(drop)
 }
 
+pub(crate) fn session_set_text(handle: &Handle, session: mry_session, name: &str, text: &str) -> Result<()> {
+    call!(mry_session_set_text(handle, session, str(name), str(text))).map(drop)
+}
+
+pub(crate) fn session_text(handle: &Handle, session: mry_session, name: &str) -> Result<String> {
+    sized_text(|text, capacity, size| call!(mry_session_get_text(handle, session, str(name), text, capacity, size)))
+}
+
 pub(crate) fn session_reset_parameter(handle: &Handle, session: mry_session, name: &str) -> Result<()> {
     call!(mry_session_reset_parameter(handle, session, str(name))).map(drop)
 }
