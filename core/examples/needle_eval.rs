@@ -77,8 +77,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         };
         let turned = |a: &[f64]| a.iter().zip(&before).filter(|(a, b)| *a * *b <= 0.0).count();
         let (one, two) = (error(&first), error(&after));
+        let areas = &needles.settled().areas;
+        let bent: Vec<usize> = areas.iter().map(|a| a.iterations).filter(|n| *n > 0).collect();
         println!(
-            "{:8} area {:.2} -> {:.2} %, per triangle {:.1} -> {:.1} %, turned {} -> {}, steps {}, {ms:.2} ms, energies {:.4?}",
+            "{:8} area {:.2} -> {:.2} %, per triangle {:.1} -> {:.1} %, turned {} -> {}, steps {:.1} on average, {} at most, {ms:.2} ms",
             pose.name,
             one.0,
             two.0,
@@ -86,8 +88,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             two.1,
             turned(&first),
             turned(&after),
-            needles.settled().iterations,
-            needles.settled().energies,
+            bent.iter().sum::<usize>() as f64 / bent.len().max(1) as f64,
+            needles.settled().iterations(),
         );
     }
     Ok(())

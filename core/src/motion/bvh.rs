@@ -2,7 +2,7 @@
 //!
 //! In: joints in space are laid into the plane by a view; every joint and end site becomes a joint track. Out: joint tracks
 //! that are joined as trees, with the turns of their bones about z and their places as channels, so that lengths that
-//! change are kept. BVH has y up, tracks have y down.
+//! change are kept. BVH has y up, some tools' z; tracks have y down.
 //!
 //! Known limits: out, what is hidden or uncertain is not told.
 
@@ -24,6 +24,10 @@ pub enum View {
     Front,
     /// Along x, from its far end: z to the right.
     Side,
+    /// Of a file with z up: x to the right.
+    FrontZUp,
+    /// Of a file with z up: y to the right.
+    SideZUp,
 }
 
 struct Node {
@@ -156,6 +160,8 @@ pub fn from_bvh(text: &str, view: View, height: u32) -> Result<Motion> {
             seen[i].push(match view {
                 View::Front => DVec2::new(at.x, -at.y),
                 View::Side => DVec2::new(at.z, -at.y),
+                View::FrontZUp => DVec2::new(at.x, -at.z),
+                View::SideZUp => DVec2::new(at.y, -at.z),
             });
             world.push(own);
         }
@@ -317,6 +323,10 @@ mod tests {
         assert!((at("a", 1) - at("a", 0)).distance(vec2(unit, 0.0)) < 1e-3);
         assert!((at("b", 1) - at("a", 1)).distance(vec2(-2.0 * unit, 0.0)) < 1e-3);
         assert!((at("bEnd", 1) - at("b", 1)).distance(vec2(0.0, -unit)) < 1e-3);
+        let lying = text.replace("OFFSET 0 2 0", "OFFSET 0 0 2");
+        let own = from_bvh(&lying, View::SideZUp, 100).expect("read");
+        let at = |name: &str| own.track(name).expect("track").frames[0].points[0];
+        assert!(at("b").y < at("a").y && at("bEnd").x > at("b").x);
     }
 
     #[test]

@@ -7,6 +7,7 @@
 //! nearer it is to vanishing. Steps are damped (Levenberg 1944; Marquardt 1963) and only taken downhill.
 
 use glam::{DMat2, DVec2, Vec2};
+use rayon::prelude::*;
 
 use crate::deform::sparse::{Graph, Symbolic};
 use crate::error::Result;
@@ -18,26 +19,51 @@ const STEPS: usize = 15;
 /// Done when a step lowers the energy by less than this share, or moves nothing by this share of the mean edge.
 const SETTLED: f64 = 6e-3;
 const STILL: f64 = 1e-2;
+/// An area whose energy is below this, in squared mean edges, only moved: rounding.
+const UNBENT: f64 = 1e-7;
 /// What a triangle's area weighs against edges and outline, which share 1.
 const AREA: f64 = 8.0;
 /// Triangles below this share of their area are pushed up as well, this hard.
 const THIN: f64 = 0.3;
 const PUSH: f64 = 40.0;
 
-/// How joint areas were settled.
+/// How the joint areas were settled, each on its own.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Settled {
+    /// The areas, by their first vertices. One where nothing is bent or stretched takes no step.
+    pub areas: Vec<SettledArea>,
+}
+
+/// How one joint area was settled.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SettledArea {
     /// Linear systems solved.
     pub iterations: usize,
     /// The energy at the start and after each step that was taken: never rising.
     pub energies: Vec<f64>,
-    /// Triangles of joint areas that are turned over.
+    /// Triangles that are turned over.
     pub flipped: usize,
 }
 
-/// The vertices that may move and what they mind.
+impl Settled {
+    /// Linear systems solved for the area that took most.
+    pub fn iterations(&self) -> usize {
+        self.areas.iter().map(|a| a.iterations).max().unwrap_or(0)
+    }
+
+    /// Triangles of joint areas that are turned over.
+    pub fn flipped(&self) -> usize {
+        self.areas.iter().map(|a| a.flipped).sum()
+    }
+}
+
+/// The joint areas of a mesh. No triangle has free vertices of two.
 #[derive(Debug)]
-pub(super) struct JointAreas {
+pub(super) struct JointAreas(Vec<Area>);
+
+/// The vertices of one area that may move, and what they mind.
+#[derive(Debug)]
+struct Area {
     /// The free vertices.
     free: Vec<u32>,
     /// Their numbers, or `u32::MAX`.
@@ -56,6 +82,63 @@ type Slope = [(u32, DVec2); 3];
 
 impl JointAreas {
     pub(super) fn new(mesh: &PlaneMesh, free: &[bool]) -> Self {
+        // Free vertices that share a triangle hang together.
+        let mut area: Vec<u32> = (0..free.len() as u32).collect();
+        let find = |area: &mut [u32], mut v: u32| {
+            while area[v as usize] != v {
+                area[v as usize] = area[area[v as usize] as usize];
+                v = area[v as usize];
+            }
+            v
+        };
+        for t in &mesh.triangles {
+            let movable: Vec<u32> = t.iter().copied().filter(|&v| free[v as usize]).collect();
+            for pair in movable.windows(2) {
+                let (a, b) = (find(&mut area, pair[0]), find(&mut area, pair[1]));
+                area[a.max(b) as usize] = a.min(b);
+            }
+        }
+        let roots: Vec<u32> = (0..free.len() as u32).map(|v| find(&mut area, v)).collect();
+        let first = (0..free.len()).filter(|&v| free[v] && roots[v] == v as u32);
+        let area = |root: usize| {
+            let own: Vec<bool> = (0..free.len()).map(|v| free[v] && roots[v] == root as u32).collect();
+            Area::new(mesh, &own)
+        };
+        Self(first.map(area).collect())
+    }
+
+    /// Settles the free vertices of `places`, given how the mesh at `rest` is stretched at each vertex.
+    pub(super) fn settle(
+        &self,
+        rest: &[DVec2],
+        stretches: &[DMat2],
+        outline_weight: f64,
+        places: &mut [DVec2],
+        stage: Stage<'_>,
+    ) -> Result<Settled> {
+        // Areas do not see one another's free vertices: in any order and on any thread they settle alike.
+        let given = &*places;
+        let count = self.0.len() as f64;
+        let settled: Vec<(SettledArea, Vec<DVec2>)> = self
+            .0
+            .par_iter()
+            .enumerate()
+            .map(|(i, area)| {
+                let mut own = given.to_vec();
+                let part = stage.part(i as f64 / count, (i + 1) as f64 / count);
+                let settled = area.settle(rest, stretches, outline_weight, &mut own, part)?;
+                Ok((settled, area.free.iter().map(|&v| own[v as usize]).collect()))
+            })
+            .collect::<Result<_>>()?;
+        for (area, (_, own)) in self.0.iter().zip(&settled) {
+            area.free.iter().zip(own).for_each(|(&v, p)| places[v as usize] = *p);
+        }
+        Ok(Settled { areas: settled.into_iter().map(|s| s.0).collect() })
+    }
+}
+
+impl Area {
+    fn new(mesh: &PlaneMesh, free: &[bool]) -> Self {
         let mut number = vec![u32::MAX; free.len()];
         let chosen: Vec<u32> = (0..free.len() as u32).filter(|&v| free[v as usize]).collect();
         for (i, &v) in chosen.iter().enumerate() {
@@ -86,23 +169,22 @@ impl JointAreas {
         Self { free: chosen, number, edges, triangles, outline, graph, symbolic, orientation: area.signum() }
     }
 
-    /// Settles the free vertices of `places`, given how the mesh at `rest` is stretched at each vertex.
-    pub(super) fn settle(
+    fn settle(
         &self,
         rest: &[DVec2],
         stretches: &[DMat2],
         outline_weight: f64,
         places: &mut [DVec2],
         stage: Stage<'_>,
-    ) -> Result<Settled> {
+    ) -> Result<SettledArea> {
         let wished = Wished::new(self, rest, stretches, outline_weight);
-        let mut settled = Settled::default();
-        if self.free.is_empty() {
-            return Ok(settled);
-        }
+        let mut settled = SettledArea::default();
         let mut energy = self.energy(&wished, places);
         settled.energies.push(energy);
         let mean = wished.lengths.iter().sum::<f64>() / wished.lengths.len().max(1) as f64;
+        if energy < UNBENT * mean * mean {
+            return Ok(settled);
+        }
         let mut damping = 1e-3;
         while settled.iterations < STEPS {
             stage.at(settled.iterations as f64 / STEPS as f64)?;
@@ -265,7 +347,7 @@ struct Wished {
 }
 
 impl Wished {
-    fn new(own: &JointAreas, rest: &[DVec2], stretches: &[DMat2], outline_weight: f64) -> Self {
+    fn new(own: &Area, rest: &[DVec2], stretches: &[DMat2], outline_weight: f64) -> Self {
         let way = |a: u32, b: u32| {
             let (a, b) = (a as usize, b as usize);
             (stretches[a] + stretches[b]) * 0.5 * (rest[b] - rest[a])

@@ -18,7 +18,7 @@ use crate::error::{Error, Result};
 use crate::geometry::{PlaneMesh, polygon};
 use crate::job::Stage;
 use joint_areas::JointAreas;
-pub use joint_areas::Settled;
+pub use joint_areas::{Settled, SettledArea};
 
 /// What keeps the area when a bone changes its length.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -59,7 +59,8 @@ impl Deformer for NeedleDeformer {
 
 /// A needle's length never changes by more than this: of a bone that shrinks to nothing, something stays to see.
 const MOST: f64 = 4.0;
-/// Bones are blended within this many times the mesh's half width at their joint.
+/// Bones are blended within this many times the mesh's half width at their joint: with 1 the outline bends too sharply to
+/// keep its area within half a hundredth.
 const BLEND: f64 = 1.6;
 
 /// A mesh whose vertices hang on bones.
@@ -168,7 +169,7 @@ impl Needles {
                     .filter(|&b| b != own && (meets(segments[b].0, joint) || meets(segments[b].1, joint)))
                 {
                     let share = (1.0 - (gap(b) - gap(own)).max(0.0) / reach).max(0.0).powi(2);
-                    if share > 1e-3 {
+                    if share > 0.02 {
                         near.push((b, share));
                     }
                 }
