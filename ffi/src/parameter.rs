@@ -22,7 +22,7 @@ pub const MRY_PARAMETER_SWITCH: i32 = 2;
 /// Kind of a parameter: one of choice_count names, by its index.
 pub const MRY_PARAMETER_CHOICE: i32 = 3;
 
-/// Kind of a parameter: a line of text, see mry_session_set_text.
+/// Kind of a parameter: a line of text, see mry_session_set_text and mry_plugin_set_text.
 pub const MRY_PARAMETER_TEXT: i32 = 4;
 
 /// What a parameter is.

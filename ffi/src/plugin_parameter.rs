@@ -9,12 +9,12 @@ use crate::border::{self, Out, OutStruct, Text, Versioned};
 use crate::context::mry_context;
 use crate::error::{Failure, Outcome, copy_text, mry_error};
 use crate::guard::{Call, entry};
-use crate::parameter::{MRY_PARAMETER_CHOICE, MRY_PARAMETER_NUMBER, MRY_PARAMETER_SWITCH, MRY_PARAMETER_WHOLE};
+use crate::parameter::{
+    MRY_PARAMETER_CHOICE, MRY_PARAMETER_NUMBER, MRY_PARAMETER_SWITCH, MRY_PARAMETER_TEXT, MRY_PARAMETER_WHOLE,
+};
 use crate::status::{mry_status, mry_status_code as Code};
 use crate::string::mry_str;
 
-/// Kind of a parameter: a line of text.
-pub const MRY_PARAMETER_TEXT: i32 = 4;
 /// Kind of a parameter: the path of a file.
 pub const MRY_PARAMETER_FILE: i32 = 5;
 

@@ -227,8 +227,7 @@ fn a_session_is_tracked_by_the_plugin_chosen_in_it_and_knows_when_that_changes()
     rescan(&f);
     let outdated = || unsafe {
         let mut count = 0;
-        let status =
-            mry_session_get_outdated(f.context, session, 0, ptr::null_mut(), 0, &mut count, &mut error());
+        let status = mry_session_get_outdated(f.context, session, 0, ptr::null_mut(), 0, &mut count, &mut error());
         assert!(status == OK || status == code(MRY_E_BUFFER_TOO_SMALL));
         count
     };

@@ -251,7 +251,10 @@ fn values_that_make_no_sense_are_refused_and_change_nothing() {
                 assert_eq!(set(&name, 0.0), code(MRY_E_ARGUMENT), "{name} takes no number");
                 let words = |text: &str| mry_session_set_text(c, session, str(&name), str(text), NO_ERROR);
                 let long = "x".repeat(128);
-                assert_eq!((words(&long), words("a\tb"), words("org.none")), (code(MRY_E_ARGUMENT), code(MRY_E_ARGUMENT), OK));
+                assert_eq!(
+                    (words(&long), words("a\tb"), words("org.none")),
+                    (code(MRY_E_ARGUMENT), code(MRY_E_ARGUMENT), OK)
+                );
                 let kept = read(|t, n, size| mry_session_get_text(c, session, str(&name), t, n, size, NO_ERROR));
                 assert_eq!(kept.unwrap(), "org.none");
                 let mut job = mry_job::default();

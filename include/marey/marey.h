@@ -182,6 +182,9 @@
 /** Kind of a parameter: one of choice_count names, by its index. */
 #define MRY_PARAMETER_CHOICE 3
 
+/** Kind of a parameter: a line of text, see mry_session_set_text and mry_plugin_set_text. */
+#define MRY_PARAMETER_TEXT 4
+
 /** Log level: a plugin did what it must not. */
 #define MRY_LOG_PLUGIN_MISBEHAVING 11
 
@@ -205,9 +208,6 @@
 
 /** Door of a plugin: the types that abi_stable checks. */
 #define MRY_PLUGIN_DOOR_RUST 2
-
-/** Kind of a parameter: a line of text. */
-#define MRY_PARAMETER_TEXT 4
 
 /** Kind of a parameter: the path of a file. */
 #define MRY_PARAMETER_FILE 5
@@ -3914,6 +3914,49 @@ mry_status mry_session_set_parameter(mry_context *context,
                                      mry_error *err);
 
 /**
+ * Chooses the text of a parameter of kind MRY_PARAMETER_TEXT in a session, such as "track.plugin": the id of the plugin
+ * that works in place of the built-in tracker.
+ *
+ * @param context  The context.
+ * @param session  The session.
+ * @param name     The parameter's name.
+ * @param text     A line of at most 127 bytes; empty for the default.
+ * @param err      Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_NOT_FOUND (name), MRY_E_ARGUMENT (text, or a parameter of another kind), MRY_E_STRING,
+ *         MRY_E_INPUT (the session is read-only), MRY_E_IO, MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_session_set_text(mry_context *context,
+                                mry_session session,
+                                mry_str name,
+                                mry_str text,
+                                mry_error *err);
+
+/**
+ * The text of a parameter of kind MRY_PARAMETER_TEXT in a session, chosen or by default.
+ *
+ * @param context   The context.
+ * @param session   The session.
+ * @param name      The parameter's name.
+ * @param text      Where the text goes, UTF-8 with a NUL; NULL with capacity 0 to ask for the size.
+ * @param capacity  Bytes at text.
+ * @param out_size  Bytes needed, with the NUL.
+ * @param err       Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_NOT_FOUND (name), MRY_E_ARGUMENT (a parameter of another kind), MRY_E_BUFFER_TOO_SMALL,
+ *         MRY_E_STRING, MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_session_get_text(mry_context *context,
+                                mry_session session,
+                                mry_str name,
+                                char *text,
+                                size_t capacity,
+                                size_t *out_size,
+                                mry_error *err);
+
+/**
  * Gives a parameter its default value again.
  *
  * @param context  The context.
@@ -3969,8 +4012,9 @@ mry_status mry_session_get_parameter(mry_context *context,
  * @param session  The session.
  * @param out_job  The job, to be taken in by mry_session_take.
  * @param err      Detail of a failure, or NULL.
- * @return MRY_OK; MRY_E_NOT_FOUND (there is no clip), MRY_E_INPUT (the rig is not valid for the clip), what
- *         mry_clip_open returns, MRY_E_BUSY.
+ * @return MRY_OK; MRY_E_NOT_FOUND (there is no clip), MRY_E_INPUT (the rig is not valid for the clip),
+ *         MRY_E_PLUGIN_NOT_FOUND, MRY_E_PLUGIN_DISABLED (the plugin that is chosen), what mry_clip_open returns,
+ *         MRY_E_BUSY.
  * Lifetime: until mry_job_destroy or the end of the context; the session may be edited and go before.
  * Thread: [any-thread]. Since 0.1.
  */
@@ -3989,8 +4033,9 @@ mry_status mry_session_start_track(mry_context *context,
  * @param folder   Where to write everything, see mry_creature_write_folder; empty for nowhere.
  * @param out_job  The job, to be taken in by mry_session_take.
  * @param err      Detail of a failure, or NULL.
- * @return MRY_OK; MRY_E_NOT_FOUND (there is no clip), MRY_E_INPUT (the rig is not valid for the clip), what
- *         mry_clip_open returns, MRY_E_BUSY.
+ * @return MRY_OK; MRY_E_NOT_FOUND (there is no clip), MRY_E_INPUT (the rig is not valid for the clip),
+ *         MRY_E_PLUGIN_NOT_FOUND, MRY_E_PLUGIN_DISABLED (the plugin that is chosen), what mry_clip_open returns,
+ *         MRY_E_BUSY.
  * Lifetime: until mry_job_destroy or the end of the context; the session may be edited and go before.
  * Thread: [any-thread]. Since 0.1.
  */
