@@ -23,6 +23,7 @@ use crate::allocator::{self, mry_allocator};
 use crate::border::{self, Out, Versioned};
 use crate::clip::ClipTable;
 use crate::creature::CreatureTable;
+use crate::deforming::DeformationTable;
 use crate::error::{Failure, mry_error};
 use crate::executor::{Executor, MAX_THREADS};
 use crate::guard::{contain, entry};
@@ -115,6 +116,7 @@ pub(crate) struct Context {
     pub(crate) jobs: JobTable,
     pub(crate) sessions: SessionTable,
     pub(crate) maps: MapTable,
+    pub(crate) deformations: DeformationTable,
     pub(crate) plugins: Plugins,
     pub(crate) limits: Limits,
     memory: Option<Arc<dyn FrameMemory>>,
@@ -151,6 +153,7 @@ impl Context {
         self.jobs.poison(id);
         self.sessions.poison(id);
         self.maps.poison(id);
+        self.deformations.poison(id);
     }
 
     /// Refuses calls that wait for the context's threads from inside a callback.
@@ -228,6 +231,7 @@ pub unsafe extern "C" fn mry_context_create(
             jobs: Table::new(6, tag, most),
             sessions: Table::new(7, tag, most),
             maps: Table::new(14, tag, most),
+            deformations: Table::new(8, tag, most),
             plugins: Plugins::default(),
             limits,
             memory,

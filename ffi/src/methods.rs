@@ -48,7 +48,7 @@ impl Call<'_> {
         Ok(Arc::new(CostVolumeSegmenter { params: SegmentParams { method, ..SegmentParams::default() } }))
     }
 
-    fn unknown(&self, param: &'static str, id: &str, known: &str, kind: PluginKind) -> Failure {
+    pub(crate) fn unknown(&self, param: &'static str, id: &str, known: &str, kind: PluginKind) -> Failure {
         let known: Vec<String> = std::iter::once(known.to_owned()).chain(self.context.plugins.ids(kind)).collect();
         let message = format!("{param}: `{id}` is not known; there are {}", known.join(", "));
         Failure::new(Code::MRY_E_UNSUPPORTED, param, message)

@@ -21,6 +21,7 @@ struct Ids {
     creature: mry_creature,
     job: mry_job,
     session: mry_session,
+    deformation: mry_deformation,
 }
 
 fn ids(f: &Fixture) -> Ids {
@@ -32,6 +33,7 @@ fn ids(f: &Fixture) -> Ids {
         assert_eq!(mry_creature_get_masks(f.context, ids.creature, &mut ids.masks, &mut err), OK);
         assert_eq!(mry_job_start_track(f.context, &f.track_desc(), &mut ids.job, &mut err), OK);
         ids.session = f.session();
+        assert_eq!(mry_deformation_create(f.context, deform(), &mut ids.deformation, &mut err), OK);
     }
     ids
 }
@@ -98,6 +100,32 @@ fn track(i: Ids) -> *const mry_track_desc {
     let mut desc = zeroed_track();
     (desc.clip, desc.rig) = (i.clip, i.rig);
     Box::leak(Box::new(desc))
+}
+
+/// Two triangles held at three corners.
+fn deform() -> *const mry_deform_desc {
+    const POINTS: [mry_point; 4] = [
+        mry_point { x: 0.0, y: 0.0 },
+        mry_point { x: 9.0, y: 0.0 },
+        mry_point { x: 9.0, y: 9.0 },
+        mry_point { x: 0.0, y: 9.0 },
+    ];
+    const TRIANGLES: [u32; 6] = [0, 1, 2, 0, 2, 3];
+    let mut desc = unsafe { std::mem::zeroed::<mry_deform_desc>() };
+    unsafe { mry_deform_desc_init(&mut desc, size_of::<mry_deform_desc>() as u32) };
+    (desc.points, desc.point_count) = (POINTS.as_ptr(), 4);
+    (desc.triangles, desc.triangle_count) = (TRIANGLES.as_ptr(), 2);
+    (desc.handles, desc.handle_count) = (held(), 3);
+    Box::leak(Box::new(desc))
+}
+
+fn held() -> *const mry_handle {
+    const fn point(x: f32, y: f32) -> mry_handle {
+        let at = mry_point { x, y };
+        mry_handle { kind: MRY_HANDLE_POINT, reserved0: 0, a: at, b: at }
+    }
+    const HANDLES: [mry_handle; 3] = [point(0.0, 0.0), point(9.0, 0.0), point(9.0, 9.0)];
+    HANDLES.as_ptr()
 }
 
 fn segment(i: Ids) -> *const mry_segment_desc {
@@ -191,6 +219,8 @@ const CALLS: &[(&str, Has, Run)] = calls! {
         [i.creature, 0, o.at::<[u16; 4]>().cast(), o.at::<[f32; 4]>().cast(), 4096, o.at()];
     IdAndOut mry_creature_read_texture(c, i, o, e, p) =>
         [i.creature, 0, o.at::<[u8; 1024]>().cast(), 4096 * 1024, 0];
+    Out mry_deformation_create(c, i, o, e, p) => [deform(), o.at()];
+    IdAndOut mry_deformation_solve(c, i, o, e, p) => [i.deformation, held(), 3, ptr::null(), o.at(), 4];
     IdAndOut mry_clip_map_frame(c, i, o, e, p) => [i.clip, 0, o.sized()];
     IdAndOut mry_creature_map_part(c, i, o, e, p) => [i.creature, 0, 1, o.sized()];
     IdAndOut mry_creature_map_texture(c, i, o, e, p) => [i.creature, 0, o.sized()];
@@ -282,7 +312,7 @@ const CALLS: &[(&str, Has, Run)] = calls! {
 };
 
 /// Functions that destroy, and functions without a context.
-const OTHERS: [&str; 38] = [
+const OTHERS: [&str; 40] = [
     "mry_abi_check",
     "mry_allocator_init",
     "mry_clip_close",
@@ -295,6 +325,8 @@ const OTHERS: [&str; 38] = [
     "mry_creature_desc_init",
     "mry_creature_destroy",
     "mry_creature_info_init",
+    "mry_deform_desc_init",
+    "mry_deformation_destroy",
     "mry_error_init",
     "mry_executor_init",
     "mry_export_desc_init",
@@ -372,6 +404,7 @@ fn dead_and_foreign_ids_are_stale_everywhere() {
         mry_creature_destroy(f.context, dead.creature);
         mry_job_destroy(f.context, dead.job);
         mry_session_destroy(f.context, dead.session);
+        mry_deformation_destroy(f.context, dead.deformation);
     }
     let garbage = Ids {
         clip: mry_clip { v: u64::MAX },
@@ -381,6 +414,7 @@ fn dead_and_foreign_ids_are_stale_everywhere() {
         creature: mry_creature { v: u64::MAX },
         job: mry_job { v: u64::MAX },
         session: mry_session { v: u64::MAX },
+        deformation: mry_deformation { v: u64::MAX },
     };
     for (name, _, run) in CALLS.iter().filter(|c| !matches!(c.1, Has::Out | Has::Neither)) {
         for (what, ids) in [("null", Ids::default()), ("dead", dead), ("foreign", ids), ("garbage", garbage)] {

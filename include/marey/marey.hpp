@@ -629,6 +629,20 @@ public:
   }
 };
 
+/** A mesh bound to its handles. */
+class deformation : public detail::handle<mry_deformation, mry_deformation_destroy> {
+public:
+  using handle::handle;
+
+  /** Moves the mesh so that every handle is where the targets say, from `shape`, which is given the new places. */
+  result<void> solve(const std::vector<mry_handle> &targets, std::vector<mry_point> &shape) {
+    return detail::perform([&](mry_error *err) {
+      return mry_deformation_solve(c(), id_, targets.data(), targets.size(), shape.data(), shape.data(), shape.size(),
+                                   err);
+    });
+  }
+};
+
 /** A document that a host edits: a clip by reference, a rig, parameters, a motion. Its end keeps what was not saved. */
 class session : public detail::handle<mry_session, mry_session_destroy> {
 public:
@@ -1026,6 +1040,11 @@ public:
     return make<session, mry_session>([&](mry_session *id, mry_error *err) {
       return mry_session_replay(get(), detail::str(path), most, id, err);
     });
+  }
+  /** Binds a mesh to handles. Start from MRY_DEFORM_DESC_INIT. */
+  result<deformation> bind(const mry_deform_desc &desc) const {
+    return make<deformation, mry_deformation>(
+      [&](mry_deformation *id, mry_error *err) { return mry_deformation_create(get(), &desc, id, err); });
   }
   /** Opens the registry of plugins; once. Start from MRY_PLUGINS_DESC_INIT. */
   result<void> open_plugins(const mry_plugins_desc &desc) const {

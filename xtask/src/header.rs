@@ -14,7 +14,7 @@ use cbindgen::{Builder, Config, DocumentationStyle, EnumConfig, ExportConfig, Fu
 use crate::shell::{root, say};
 
 /// The files of ffi/src in the order a reader meets them.
-const FILES: [&str; 39] = [
+const FILES: [&str; 40] = [
     "version.rs",
     "status.rs",
     "string.rs",
@@ -38,6 +38,7 @@ const FILES: [&str; 39] = [
     "surface.rs",
     "maps.rs",
     "creature_files.rs",
+    "deforming.rs",
     "job.rs",
     "opening.rs",
     "tracking.rs",

@@ -20,6 +20,7 @@
 mod clip;
 mod context;
 mod creature;
+mod deformation;
 mod error;
 mod job;
 mod masks;
@@ -33,6 +34,7 @@ mod sys;
 pub use clip::{Clip, ClipInfo};
 pub use context::Context;
 pub use creature::{Creature, CreatureInfo};
+pub use deformation::{Deformation, Handle};
 pub use error::{Error, Result, Status};
 pub use job::{CreatureOptions, Job, JobState, SegmentOptions, TrackOptions};
 pub use masks::Masks;

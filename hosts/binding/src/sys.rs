@@ -99,6 +99,7 @@ destroy!(masks_destroy, mry_masks_destroy, mry_masks);
 destroy!(creature_destroy, mry_creature_destroy, mry_creature);
 destroy!(job_destroy, mry_job_destroy, mry_job);
 destroy!(session_destroy, mry_session_destroy, mry_session);
+destroy!(deformation_destroy, mry_deformation_destroy, mry_deformation);
 
 /// Asks for a size, then for that many values.
 fn sized_list<T: Copy + Default>(
@@ -221,6 +222,35 @@ pub(crate) fn start_track(handle: &Handle, clip: mry_clip, rig: mry_rig, tracker
     let mut job = mry_job::default();
     call!(mry_job_start_track(handle, &desc, &mut job))?;
     Ok(job)
+}
+
+pub(crate) fn deformation(
+    handle: &Handle,
+    points: &[mry_point],
+    triangles: &[[u32; 3]],
+    handles: &[mry_handle],
+    deformer: &str,
+    iterations: u32,
+) -> Result<mry_deformation> {
+    let mut desc = sized!(mry_deform_desc_init, mry_deform_desc);
+    (desc.points, desc.point_count) = (points.as_ptr(), points.len() as u64);
+    (desc.triangles, desc.triangle_count) = (triangles.as_ptr().cast(), triangles.len() as u64);
+    (desc.handles, desc.handle_count) = (handles.as_ptr(), handles.len() as u64);
+    (desc.deformer, desc.iterations) = (str(deformer), iterations);
+    let mut deformation = mry_deformation::default();
+    call!(mry_deformation_create(handle, &desc, &mut deformation))?;
+    Ok(deformation)
+}
+
+/// Starts from `points` and writes the new shape there.
+pub(crate) fn deformation_solve(
+    handle: &Handle,
+    deformation: mry_deformation,
+    targets: &[mry_handle],
+    points: &mut [mry_point],
+) -> Result<()> {
+    let (to, count) = (points.as_mut_ptr(), points.len());
+    call!(mry_deformation_solve(handle, deformation, targets.as_ptr(), targets.len(), to, to, count)).map(drop)
 }
 
 pub(crate) fn start_segment(

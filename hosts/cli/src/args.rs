@@ -48,6 +48,8 @@ pub(crate) enum Command {
     /// List plugins, check one, or begin a new one
     #[command(subcommand)]
     Plugin(PluginCommand),
+    /// Deform a mesh by handles, and time it
+    Deform(Deform),
     /// Look into the sessions of an editor
     #[command(subcommand)]
     Session(SessionCommand),
@@ -225,6 +227,31 @@ pub(crate) struct Creature {
     /// Also write meshes/00000.obj, ... in world coordinates
     #[arg(long)]
     pub(crate) obj: bool,
+}
+
+#[derive(Debug, clap::Args)]
+#[command(after_help = "\
+Example:
+  marey deform figure.obj handles.json deformed.json --deformer arap
+
+HANDLES.json: {\"handles\": [{\"vertex\": 12}, ...], \"poses\": [{\"name\": \"bend\", \"targets\": [[x, y], ...]}, ...],
+\"drag\": [[[x, y], ...], ...]}. Writes for each pose its vertices after ten steps from rest, and milliseconds of one thread,
+the best of repeats; for the drag, four steps a frame from the frame before.")]
+pub(crate) struct Deform {
+    /// The mesh: v and f lines; z is left out
+    #[arg(value_name = "MESH.obj")]
+    pub(crate) mesh: PathBuf,
+    /// Vertices that are held, and where they go
+    #[arg(value_name = "HANDLES.json")]
+    pub(crate) handles: PathBuf,
+    /// Where to write shapes and times
+    #[arg(value_name = "OUT.json")]
+    pub(crate) output: PathBuf,
+    /// Who deforms: arap, or a plugin's id
+    #[arg(long, value_name = "ID", default_value = "", hide_default_value = true)]
+    pub(crate) deformer: String,
+    #[command(flatten)]
+    pub(crate) plugins: Plugins,
 }
 
 #[derive(Debug, clap::Args)]

@@ -48,6 +48,7 @@ fn run(args: &Args) -> Result<(), Failure> {
         Command::Segment(segment) => commands::segment(&session, segment),
         Command::Creature(creature) => commands::creature(&session, creature),
         Command::Demo(demo) => commands::demo(&session, demo),
+        Command::Deform(deform) => commands::deform(&session, deform),
         Command::Plugin(PluginCommand::List(plugins)) => commands::plugin_list(&session, plugins),
         Command::Plugin(PluginCommand::Check(check)) => commands::plugin_check(&session, check),
         Command::Plugin(PluginCommand::New(new)) => commands::plugin_new(new),

@@ -208,3 +208,30 @@ fn the_demo_says_what_to_open_and_runs_again() {
     assert!(run().status.success());
     assert_eq!(std::fs::read_to_string(out.join("strokes.json")).unwrap(), drawn, "a person's strokes stay");
 }
+
+#[test]
+fn deform_gives_shapes_and_times() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let (mesh, handles, out) = (path("bar.obj"), path("handles.json"), path("out.json"));
+    let mut text = String::new();
+    (0..33).for_each(|i| text += &format!("v {} {} 0\n", 10 * (i % 11), 10 * (i / 11)));
+    (0..20).for_each(|i| text += &format!("f {0} {1} {2} {3}\n", i + i / 10 + 1, i + i / 10 + 2, i + i / 10 + 13, i + i / 10 + 12));
+    std::fs::write(&mesh, text).unwrap();
+    let poses = r#"{"handles": [{"vertex": 0}, {"vertex": 22}, {"vertex": 21}],
+        "poses": [{"name": "bend", "targets": [[0, 0], [0, 20], [70, 70]]}], "drag": [[[0, 0], [0, 20], [99, 12]]]}"#;
+    std::fs::write(&handles, poses).unwrap();
+    let report = report(&["deform", &mesh, &handles, &out, "--json"]);
+    assert!(report["precompute_ms"].as_f64().unwrap() > 0.0);
+    let found: Value = serde_json::from_str(&std::fs::read_to_string(&out).unwrap()).unwrap();
+    let tip = &found["poses"]["bend"]["V"][21];
+    let off = |i: usize| (tip[i].as_f64().unwrap() - 70.0).abs();
+    assert!(off(0) < 0.01 && off(1) < 0.01, "{tip}");
+    assert_eq!(found["drag_ms"].as_array().unwrap().len(), 1);
+    std::fs::write(&handles, poses.replace("\"vertex\": 21", "\"vertex\": 99")).unwrap();
+    assert!(fails(&["deform", &mesh, &handles, &out], 3).contains("vertex 99"));
+    assert!(fails(&["deform", &mesh, "/no/such.json", &out], 3).contains("/no/such.json"));
+    std::fs::write(&handles, poses).unwrap();
+    let unknown = fails(&["deform", &mesh, &handles, &out, "--deformer", "magic"], 2);
+    assert!(unknown.contains("magic") && unknown.contains("arap"), "{unknown}");
+}

@@ -1,6 +1,7 @@
 //! The commands, each in its file, and what they share.
 
 mod creature;
+mod deform;
 mod demo;
 mod info;
 mod plugin;
@@ -11,6 +12,7 @@ mod session_info;
 mod track;
 
 pub(crate) use creature::creature;
+pub(crate) use deform::deform;
 pub(crate) use demo::demo;
 pub(crate) use info::info;
 pub(crate) use plugin::{check as plugin_check, list as plugin_list, probe as plugin_probe};
