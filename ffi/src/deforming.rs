@@ -1,7 +1,7 @@
 //! Deforming. A few handles move, and a plane mesh follows: points that are held, or bones that the mesh around them turns
 //! and stretches with. What does not change while handles move is worked out once, when a mesh is bound to them.
 
-use std::sync::{Mutex, TryLockError};
+use std::sync::{Arc, Mutex, TryLockError};
 
 use marey::Vec2;
 use marey::deform::arap::ArapDeformer;
@@ -97,7 +97,9 @@ fn handles_in(handles: &[mry_handle], param: &'static str) -> Outcome<Vec<Handle
         let placed = match handle.kind {
             MRY_HANDLE_POINT => Handle::Point(at(handle.a)),
             MRY_HANDLE_BONE => Handle::Bone(at(handle.a), at(handle.b)),
-            kind => return Err(Failure::argument(param, format!("{param}[{i}].kind is {kind}, which is no MRY_HANDLE"))),
+            kind => {
+                return Err(Failure::argument(param, format!("{param}[{i}].kind is {kind}, which is no MRY_HANDLE")));
+            }
         };
         if placed.is_finite() {
             return Ok(placed);
@@ -108,15 +110,15 @@ fn handles_in(handles: &[mry_handle], param: &'static str) -> Outcome<Vec<Handle
 }
 
 impl Call<'_> {
-    fn deformer(&self, id: &str, iterations: usize) -> Outcome<Box<dyn Deformer>> {
+    fn deformer(&self, id: &str, iterations: usize) -> Outcome<Arc<dyn Deformer>> {
         match id {
-            "" | "arap" => return Ok(Box::new(ArapDeformer { iterations })),
-            "needles" => return Ok(Box::new(NeedleDeformer::default())),
+            "" | "arap" => return Ok(Arc::new(ArapDeformer { iterations })),
+            "needles" => return Ok(Arc::new(NeedleDeformer::default())),
             _ => {}
         }
         let slot = self.context.plugins.slot(id, PluginKind::Deformer).map_err(|e| e.about("desc.deformer"))?;
         let unknown = || self.unknown("desc.deformer", id, "arap, needles", PluginKind::Deformer);
-        slot.map(|slot| Box::new(slot) as Box<dyn Deformer>).ok_or_else(unknown)
+        slot.map(|slot| slot as Arc<dyn Deformer>).ok_or_else(unknown)
     }
 
     unsafe fn bind(&self, desc: *const mry_deform_desc) -> Outcome<Kept> {
@@ -128,7 +130,8 @@ impl Call<'_> {
             n => return Err(Failure::argument("desc", format!("desc.iterations is {n}; give 1 to 1000"))),
         };
         // What does not fit is far past what is allowed.
-        let count = |n: u64, each: usize| usize::try_from(n).ok().and_then(|n| n.checked_mul(each)).unwrap_or(usize::MAX);
+        let count =
+            |n: u64, each: usize| usize::try_from(n).ok().and_then(|n| n.checked_mul(each)).unwrap_or(usize::MAX);
         // SAFETY: as above.
         let (points, indices, handles, id) = unsafe {
             (
@@ -238,7 +241,8 @@ pub unsafe extern "C" fn mry_deformation_solve(
             true => kept.rest.clone(),
             false => points_in(border::slice(start, count, count, "start")?).map_err(|e| e.about("start"))?,
         };
-        let solve = || kept.deformation.solve(&targets, &mut shape, Progress::new().whole());
+        let deformation = &mut kept.deformation;
+        let solve = || deformation.solve(&targets, &mut shape, Progress::new().whole());
         call.context.executor.run(solve).map_err(|e| Failure::from(e).about("targets"))?;
         out.write(&points_out(&shape))?;
         Ok(Code::MRY_OK)

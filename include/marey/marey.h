@@ -83,6 +83,7 @@
 #define MRY_PART_INFO_INIT { (uint32_t)sizeof(mry_part_info), 0, 0, 0, 0, 0 }
 #define MRY_IMAGE_VIEW_INIT { (uint32_t)sizeof(mry_image_view), 0, 0, 0, 0, NULL, { 0 } }
 #define MRY_MESH_VIEW_INIT { (uint32_t)sizeof(mry_mesh_view), 0, 0, 0, NULL, NULL, NULL, NULL, { 0 } }
+#define MRY_DEFORM_DESC_INIT { (uint32_t)sizeof(mry_deform_desc), 0, NULL, 0, NULL, 0, NULL, 0, { NULL, 0 } }
 #define MRY_JOB_STATE_INIT { (uint32_t)sizeof(mry_job_state), 0, 0.0, 0, { 0 } }
 #define MRY_TRACK_DESC_INIT { (uint32_t)sizeof(mry_track_desc), 0, { 0 }, { 0 }, { NULL, 0 }, { 0 }, { 0 } }
 #define MRY_SEGMENT_DESC_INIT { (uint32_t)sizeof(mry_segment_desc), 0, { 0 }, { 0 }, { 0 }, { NULL, 0 }, { NULL, 0 }, { NULL, 0 } }
@@ -148,6 +149,12 @@
 
 /** Format of an image: 3 bytes a pixel, red, green, blue, sRGB. */
 #define MRY_FORMAT_RGB8 1
+
+/** Kind of a handle: a point of the mesh, at a; b is not looked at. */
+#define MRY_HANDLE_POINT 1
+
+/** Kind of a handle: a straight bone from its root a to its tip b. */
+#define MRY_HANDLE_BONE 2
 
 /** Export: one glTF 2.0 binary, as mry_creature_write_glb. */
 #define MRY_EXPORT_GLB 1
@@ -687,6 +694,49 @@ typedef struct mry_mesh_view {
   /** What to hand to mry_unmap. */
   mry_map map;
 } mry_mesh_view;
+
+/** What a person moves to deform a mesh. */
+typedef struct mry_handle {
+  /** MRY_HANDLE_POINT or MRY_HANDLE_BONE. */
+  int32_t kind;
+  /** Zero. */
+  uint32_t reserved0;
+  /** The point, or the bone's root. */
+  mry_point a;
+  /** The bone's tip. */
+  mry_point b;
+} mry_handle;
+
+/** What to bind. Start from MRY_DEFORM_DESC_INIT. */
+typedef struct mry_deform_desc {
+  /** sizeof(mry_deform_desc). */
+  uint32_t struct_size;
+  /** Steps of one solve of "arap", 1 to 1000; 0 for 10. More steps come closer to the least energy. */
+  uint32_t iterations;
+  /** The mesh's vertices at rest, in pixels. */
+  const mry_point *points;
+  /** How many: at most 4194304. */
+  uint64_t point_count;
+  /** Three vertex indices for each triangle, all turned the same way. */
+  const uint32_t *triangles;
+  /** How many triangles: at most 4194304. */
+  uint64_t triangle_count;
+  /** The handles where they lie on the mesh at rest. */
+  const mry_handle *handles;
+  /** How many: at most 10000. */
+  uint64_t handle_count;
+  /**
+   * The deformer: "arap" (as rigid as possible; points and bones), "needles" (bones only, keeps the area), or a
+   * plugin's id; empty for "arap".
+   */
+  mry_str deformer;
+} mry_deform_desc;
+
+/** A mesh bound to its handles. */
+typedef struct mry_deformation {
+  /** The id; 0 is no deformation. */
+  uint64_t v;
+} mry_deformation;
 
 /** How a job is doing. */
 typedef struct mry_job_state {
@@ -2703,6 +2753,82 @@ mry_status mry_creature_write_obj(mry_context *context,
                                   mry_creature creature,
                                   mry_str folder,
                                   mry_error *err);
+
+/** @} */
+
+/**
+ * @defgroup deforming Deforming
+ *
+ * Deforming. A few handles move, and a plane mesh follows: points that are held, or bones that the mesh around them turns
+ * and stretches with. What does not change while handles move is worked out once, when a mesh is bound to them.
+ * @{
+ */
+
+/**
+ * Fills in a description with struct_size set and everything else zero, for languages without the INIT macros.
+ *
+ * @param desc  Where to write; NULL does nothing.
+ * @param size  sizeof(mry_deform_desc) as the caller knows it.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+void mry_deform_desc_init(mry_deform_desc *desc,
+                          uint32_t size);
+
+/**
+ * Binds a mesh to handles: milliseconds for thousands of vertices. What is described is copied.
+ *
+ * @param context          The context.
+ * @param desc             The mesh, the handles, and who deforms it.
+ * @param out_deformation  The deformation.
+ * @param err              Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_INPUT (no triangles, an index without its vertex, a handle that cannot be used),
+ *         MRY_E_ARGUMENT (iterations, a handle's kind), MRY_E_NON_FINITE, MRY_E_LIMIT, MRY_E_STRING,
+ *         MRY_E_STRUCT_SIZE, MRY_E_UNSUPPORTED (no such deformer), what a plugin's work may return.
+ * Lifetime: until mry_deformation_destroy or the end of the context.
+ * Thread: [outside-callbacks]. Since 0.1.
+ */
+MRY_API
+mry_status mry_deformation_create(mry_context *context,
+                                  const mry_deform_desc *desc,
+                                  mry_deformation *out_deformation,
+                                  mry_error *err);
+
+/**
+ * Moves the mesh so that every handle is where the targets say.
+ *
+ * @param context       The context.
+ * @param deformation   The deformation.
+ * @param targets       As many handles as were bound, of the same kinds in the same order.
+ * @param target_count  How many.
+ * @param start         The shape to start from, such as the one of the frame before, which makes a drag quick and
+ *                      steady: as many points as the mesh has; NULL for the mesh at rest.
+ * @param points        Where the new shape goes; may be start.
+ * @param point_count   Points at start and at points: as many as the mesh has.
+ * @param err           Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_INPUT (other handles than were bound), MRY_E_ARGUMENT (point_count, a handle's kind),
+ *         MRY_E_NON_FINITE, MRY_E_LIMIT, MRY_E_BUSY (another thread is at it), what a plugin's work may return.
+ * Thread: [outside-callbacks]. Since 0.1.
+ */
+MRY_API
+mry_status mry_deformation_solve(mry_context *context,
+                                 mry_deformation deformation,
+                                 const mry_handle *targets,
+                                 size_t target_count,
+                                 const mry_point *start,
+                                 mry_point *points,
+                                 size_t point_count,
+                                 mry_error *err);
+
+/**
+ * Destroys a deformation.
+ *
+ * @param context      The context.
+ * @param deformation  The deformation; {0} is no error.
+ * @return MRY_OK.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API mry_status mry_deformation_destroy(mry_context *context, mry_deformation deformation);
 
 /** @} */
 

@@ -17,7 +17,7 @@
 
 #include <marey/marey.h>
 
-enum { CLIP, RIG, MOTION, MASKS, CREATURE, JOB, MAP, SESSION, KINDS };
+enum { CLIP, RIG, MOTION, MASKS, CREATURE, JOB, MAP, SESSION, DEFORMATION, KINDS };
 enum { PLACES = 6, BYTES = 1 << 15 };
 
 typedef struct soak {
@@ -52,6 +52,7 @@ static mry_status end(soak *s, int kind, uint64_t v) {
     case CREATURE: return mry_creature_destroy(s->context, (mry_creature){ v });
     case JOB: return mry_job_destroy(s->context, (mry_job){ v });
     case SESSION: return mry_session_destroy(s->context, (mry_session){ v });
+    case DEFORMATION: return mry_deformation_destroy(s->context, (mry_deformation){ v });
     default: return mry_unmap(s->context, (mry_map){ v });
   }
 }
@@ -317,6 +318,46 @@ static mry_status use_creature(soak *s) {
   }
 }
 
+/* A strip of triangles with a handle or two: mostly one that can be bound. */
+static mry_status deform(soak *s) {
+  mry_point p[10];
+  uint32_t triangles[24];
+  mry_handle handles[3];
+  mry_deformation deformation = { id(s, DEFORMATION) }, made = { 0 };
+  mry_deform_desc desc = MRY_DEFORM_DESC_INIT;
+  for (uint32_t i = 0; i < 10; i++) {
+    p[i] = (mry_point){ 9.0f * (float)(i / 2) + real(s) / 100.0f, 9.0f * (float)(i % 2) };
+  }
+  for (uint32_t i = 0; i < 8; i++) {
+    triangles[3 * i] = i;
+    triangles[3 * i + 1] = i % 2 == 0 ? i + 1 : i + 2;
+    triangles[3 * i + 2] = i % 2 == 0 ? i + 2 : i + 1;
+  }
+  if (below(s, 9) == 0) {
+    triangles[below(s, 24)] = number(s, 12);
+  }
+  for (int i = 0; i < 3; i++) {
+    handles[i] = (mry_handle){ below(s, 20) == 0 ? (int32_t)number(s, 4) : 1 + (int32_t)below(s, 2), 0, p[3 * i], p[9] };
+  }
+  if (below(s, 2) == 0) {
+    const mry_point *from = below(s, 2) == 0 ? p : NULL;
+    return mry_deformation_solve(s->context, deformation, handles, below(s, 4), from, out(s),
+                                 below(s, 9) == 0 ? number(s, 99) % 99 : 10, ERR);
+  }
+  SIZED(mry_deform_desc, &desc);
+  desc.iterations = number(s, 20);
+  desc.points = p;
+  desc.point_count = below(s, 20) == 0 ? number(s, 11) % 11 : 10;
+  desc.triangles = triangles;
+  desc.triangle_count = below(s, 20) == 0 ? number(s, 9) % 9 : 8;
+  desc.handles = handles;
+  desc.handle_count = below(s, 4);
+  desc.deformer = below(s, 3) == 0 ? text(s) : MRY_STR(below(s, 2) == 0 ? "needles" : "arap");
+  mry_status status = mry_deformation_create(s->context, &desc, &made, ERR);
+  keep(s, DEFORMATION, made.v);
+  return status;
+}
+
 static mry_status start_job(soak *s) {
   char name[300];
   mry_job job = { 0 };
@@ -460,7 +501,8 @@ static mry_status one(soak *s) {
   if (dice < 8) {
     return use_session(s);
   }
-  switch (dice % 7) {
+  switch (dice % 8) {
+    case 7: return deform(s);
     case 0: return edit_rig(s);
     case 6: return edit_motion(s);
     case 1: return use_clip(s);

@@ -216,7 +216,10 @@ fn deform_gives_shapes_and_times() {
     let (mesh, handles, out) = (path("bar.obj"), path("handles.json"), path("out.json"));
     let mut text = String::new();
     (0..33).for_each(|i| text += &format!("v {} {} 0\n", 10 * (i % 11), 10 * (i / 11)));
-    (0..20).for_each(|i| text += &format!("f {0} {1} {2} {3}\n", i + i / 10 + 1, i + i / 10 + 2, i + i / 10 + 13, i + i / 10 + 12));
+    for i in 0..20 {
+        let corner = i + i / 10 + 1;
+        text += &format!("f {} {} {} {}\n", corner, corner + 1, corner + 12, corner + 11);
+    }
     std::fs::write(&mesh, text).unwrap();
     let poses = r#"{"handles": [{"vertex": 0}, {"vertex": 22}, {"vertex": 21}],
         "poses": [{"name": "bend", "targets": [[0, 0], [0, 20], [70, 70]]}], "drag": [[[0, 0], [0, 20], [99, 12]]]}"#;

@@ -4,7 +4,7 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use marey_binding::{Deformation, Handle};
-use serde_json::{Map, Value, json};
+use serde_json::{Map, json};
 
 use super::{Session, check_file};
 use crate::args::Deform;
@@ -43,7 +43,8 @@ pub(crate) fn deform(session: &Session, args: &Deform) -> Result<(), Failure> {
     let (rest, triangles) = read_mesh(&args.mesh)?;
     let case: Case = serde_json::from_str(&read(&args.handles)?).map_err(|e| bad(&args.handles, &e.to_string()))?;
     let place = |held: &Held| {
-        let none = || bad(&args.handles, &format!("a handle names vertex {}, and there are {}", held.vertex, rest.len()));
+        let none =
+            || bad(&args.handles, &format!("a handle names vertex {}, and there are {}", held.vertex, rest.len()));
         rest.get(held.vertex).copied().map(Handle::Point).ok_or_else(none)
     };
     let handles = case.handles.iter().map(place).collect::<Result<Vec<_>, _>>()?;
@@ -148,7 +149,8 @@ fn read_mesh(path: &Path) -> Result<(Vec<Place>, Vec<[u32; 3]>), Failure> {
             }
             Some("f") => {
                 let corner = |word: &str| {
-                    let index = word.split('/').next().and_then(|w| w.parse::<u32>().ok()).and_then(|i| i.checked_sub(1));
+                    let index =
+                        word.split('/').next().and_then(|w| w.parse::<u32>().ok()).and_then(|i| i.checked_sub(1));
                     index.ok_or_else(|| wrong("a face is of vertices that count from 1"))
                 };
                 let corners = words.map(corner).collect::<Result<Vec<u32>, _>>()?;
@@ -175,7 +177,9 @@ mod tests {
         };
         let (points, triangles) = read("# a square\nv 0 0 0\nv 1 0\nv 1 1\nv 0 1\nf 1/1 2/2/2 3 4\n").expect("a mesh");
         assert_eq!((points.len(), triangles), (4, vec![[0, 1, 2], [0, 2, 3]]));
-        for (text, said) in [("v 0\n", "line 1"), ("v 0 0\nf 0 1 2\n", "line 2"), ("f\n", "line 1"), ("v x y", "line 1")] {
+        for (text, said) in
+            [("v 0\n", "line 1"), ("v 0 0\nf 0 1 2\n", "line 2"), ("f\n", "line 1"), ("v x y", "line 1")]
+        {
             assert!(read(text).expect_err(text).contains(said), "{text}");
         }
     }
