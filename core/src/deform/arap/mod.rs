@@ -1,7 +1,7 @@
 //! As-rigid-as-possible deformation of a plane mesh by points and bones.
 //!
 //! Energy of Chao et al. 2010 (the "elements" energy of Liu et al. 2008), lowered by local and global steps (Sorkine
-//! and Alexa 2007) that [`anderson`] accelerates. Where the handles jump, [`clusters`] first says how far whole parts
+//! and Alexa 2007) that `anderson` accelerates. Where the handles jump, `clusters` first says how far whole parts
 //! turn, so that ten steps from the rest shape end within a tenth of the least energy where plain steps end at up to
 //! four times it. One factor serves every step, and steps work on residuals, so that a factor of 32 bits does.
 //!

@@ -2,7 +2,7 @@
 //!
 //! Pan and Zhang 2011, section 3.3. Stage one: the needle from a bone to a vertex turns with the bone, its foot moves with
 //! the bone's length, and its length changes by the reciprocal, so that the area stays. Around joints the maps of the
-//! bones that meet there are blended by their angles, which starts stage two (see [`joint_areas`]) without a fold.
+//! bones that meet there are blended by their angles, which starts stage two (see `joint_areas`) without a fold.
 //!
 //! Known limits: bones only, no points; vertices that belong to bones without a common joint and lie side by side in one
 //! mesh part only as far as stage two can bridge.
