@@ -162,11 +162,7 @@ fn raw_handles(handles: &[Handle]) -> Vec<raw::Handle> {
 }
 
 fn check_finite(handles: &[Handle], points: &[Vec2]) -> Result<()> {
-    let finite = |handle: &Handle| match handle {
-        Handle::Point(at) => at.is_finite(),
-        Handle::Bone(root, tip) => root.is_finite() && tip.is_finite(),
-    };
-    if let Some(i) = handles.iter().position(|h| !finite(h)) {
+    if let Some(i) = handles.iter().position(|h| !h.is_finite()) {
         return Err(Error::invalid(format!("handle {i}"), "is not a number", "give it a place"));
     }
     if let Some(i) = points.iter().position(|p| !p.is_finite()) {
