@@ -1,7 +1,7 @@
 //! Deforming. A few handles move, and a plane mesh follows: points that are held, or bones that the mesh around them turns
 //! and stretches with. What does not change while handles move is worked out once, when a mesh is bound to them.
 
-use std::sync::{Arc, Mutex, TryLockError};
+use std::sync::{Arc, Mutex};
 
 use marey::Vec2;
 use marey::deform::arap::ArapDeformer;
@@ -221,25 +221,16 @@ pub unsafe extern "C" fn mry_deformation_solve(
         let out = Buffer::new(points, point_count, "points")?;
         let targets = handles_in(border::slice(targets, target_count, MOST_HANDLES, "targets")?, "targets")?;
         let slot = call.get(&call.context.deformations, deformation.v, "deformation")?;
-        let mut kept = match slot.value.try_lock() {
-            Ok(kept) => kept,
-            Err(TryLockError::WouldBlock) => {
-                let message = "another thread is using the deformation";
-                return Err(Failure::new(Code::MRY_E_BUSY, "deformation", message));
-            }
-            Err(TryLockError::Poisoned(_)) => {
-                let message = "the deformation was poisoned; destroy it";
-                return Err(Failure::new(Code::MRY_E_POISONED, "deformation", message));
-            }
-        };
+        let mut kept = slot.value.try_lock().map_err(|e| Failure::locked(&e, "deformation", "using"))?;
         let count = kept.rest.len();
         if point_count != count {
             let message = format!("point_count is {point_count}, and the mesh has {count} points");
             return Err(Failure::argument("point_count", message));
         }
-        let mut shape = match start.is_null() {
-            true => kept.rest.clone(),
-            false => points_in(border::slice(start, count, count, "start")?).map_err(|e| e.about("start"))?,
+        let mut shape = if start.is_null() {
+            kept.rest.clone()
+        } else {
+            points_in(border::slice(start, count, count, "start")?).map_err(|e| e.about("start"))?
         };
         let deformation = &mut kept.deformation;
         let solve = || deformation.solve(&targets, &mut shape, Progress::new().whole());

@@ -1,6 +1,7 @@
 //! Errors. What went wrong, in words, in memory of the caller's own: no thread-local state, no allocation.
 
 use std::ffi::c_char;
+use std::sync::TryLockError;
 
 use crate::status::{self, mry_status, mry_status_code};
 
@@ -48,6 +49,18 @@ impl Failure {
     /// A value outside its range.
     pub(crate) fn argument(param: &'static str, message: impl Into<String>) -> Self {
         Self::new(mry_status_code::MRY_E_ARGUMENT, param, message)
+    }
+
+    /// An object that cannot be locked now, or not any more; `doing` is what the thread that has it does with it.
+    pub(crate) fn locked<T>(error: &TryLockError<T>, param: &'static str, doing: &str) -> Self {
+        match error {
+            TryLockError::WouldBlock => {
+                Self::new(mry_status_code::MRY_E_BUSY, param, format!("another thread is {doing} the {param}"))
+            }
+            TryLockError::Poisoned(_) => {
+                Self::new(mry_status_code::MRY_E_POISONED, param, format!("the {param} was poisoned; destroy it"))
+            }
+        }
     }
 
     /// Names the parameter that an error of the engine is about.

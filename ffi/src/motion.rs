@@ -2,7 +2,7 @@
 //! are, which are seen, and how far each is to be trusted.
 
 use std::ffi::c_char;
-use std::sync::{Arc, RwLock, TryLockError};
+use std::sync::{Arc, RwLock};
 
 use marey::export::write_aside;
 use marey::motion::Motion;
@@ -56,21 +56,12 @@ const _: () = assert!(size_of::<mry_motion_info>() == 40);
 impl Call<'_> {
     pub(crate) fn motion(&self, motion: mry_motion) -> Outcome<Arc<Motion>> {
         let slot = self.get(&self.context.motions, motion.v, "motion")?;
-        let motion = slot.value.try_read().map_err(|e| busy(&e))?;
+        let motion = slot.value.try_read().map_err(|e| Failure::locked(&e, "motion", "changing"))?;
         Ok(motion.clone())
     }
 
     pub(crate) fn keep_motion(&self, motion: Arc<Motion>) -> Outcome<mry_motion> {
         Ok(mry_motion { v: self.context.motions.insert(RwLock::new(motion))? })
-    }
-}
-
-pub(crate) fn busy<T>(error: &TryLockError<T>) -> Failure {
-    match error {
-        TryLockError::WouldBlock => Failure::new(Code::MRY_E_BUSY, "motion", "another thread is changing the motion"),
-        TryLockError::Poisoned(_) => {
-            Failure::new(Code::MRY_E_POISONED, "motion", "the motion was poisoned; destroy it")
-        }
     }
 }
 

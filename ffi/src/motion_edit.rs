@@ -10,7 +10,7 @@ use crate::clip::frame_index;
 use crate::context::mry_context;
 use crate::error::{Failure, Outcome, mry_error};
 use crate::guard::{Call, entry};
-use crate::motion::{busy, mry_motion};
+use crate::motion::mry_motion;
 use crate::status::{mry_status, mry_status_code as Code};
 use crate::string::mry_str;
 use crate::stroke::{mry_point, points_in};
@@ -20,7 +20,7 @@ impl Call<'_> {
     /// Changes a motion; whoever shares it keeps it as it was.
     fn motion_mut<T>(&self, motion: mry_motion, change: impl FnOnce(&mut Motion) -> Outcome<T>) -> Outcome<T> {
         let slot = self.get(&self.context.motions, motion.v, "motion")?;
-        let mut motion = slot.value.try_write().map_err(|e| busy(&e))?;
+        let mut motion = slot.value.try_write().map_err(|e| Failure::locked(&e, "motion", "changing"))?;
         change(Arc::make_mut(&mut motion))
     }
 }

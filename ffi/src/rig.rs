@@ -3,7 +3,7 @@
 //! validates its copy first.
 
 use std::ffi::c_char;
-use std::sync::{Arc, RwLock, TryLockError};
+use std::sync::{Arc, RwLock};
 
 use marey::export::write_aside;
 use marey::rig::Rig;
@@ -37,7 +37,7 @@ impl Call<'_> {
         let slot = self.rig_slot(rig)?;
         match slot.value.try_read() {
             Ok(rig) => read(&rig),
-            Err(e) => Err(busy(&e)),
+            Err(e) => Err(Failure::locked(&e, "rig", "changing")),
         }
     }
 
@@ -45,15 +45,8 @@ impl Call<'_> {
         let slot = self.rig_slot(rig)?;
         match slot.value.try_write() {
             Ok(mut rig) => change(&mut rig),
-            Err(e) => Err(busy(&e)),
+            Err(e) => Err(Failure::locked(&e, "rig", "changing")),
         }
-    }
-}
-
-fn busy<T>(error: &TryLockError<T>) -> Failure {
-    match error {
-        TryLockError::WouldBlock => Failure::new(Code::MRY_E_BUSY, "rig", "another thread is changing the rig"),
-        TryLockError::Poisoned(_) => Failure::new(Code::MRY_E_POISONED, "rig", "the rig was poisoned; destroy it"),
     }
 }
 

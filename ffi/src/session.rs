@@ -7,7 +7,7 @@
 
 use std::ffi::c_char;
 use std::path::Path;
-use std::sync::{Arc, Mutex, TryLockError};
+use std::sync::{Arc, Mutex};
 
 use marey::clip::Clip;
 use marey::job::Progress;
@@ -113,15 +113,8 @@ impl Call<'_> {
         read: impl FnOnce(&mut Document) -> Outcome<T>,
     ) -> Outcome<T> {
         let slot = self.get(&self.context.sessions, session.v, "session")?;
-        match slot.value.try_lock() {
-            Ok(mut document) => read(&mut document),
-            Err(TryLockError::WouldBlock) => {
-                Err(Failure::new(Code::MRY_E_BUSY, "session", "another thread is using the session"))
-            }
-            Err(TryLockError::Poisoned(_)) => {
-                Err(Failure::new(Code::MRY_E_POISONED, "session", "the session was poisoned; destroy it"))
-            }
-        }
+        let mut document = slot.value.try_lock().map_err(|e| Failure::locked(&e, "session", "using"))?;
+        read(&mut document)
     }
 
     pub(crate) fn keep_session(&self, session: marey::Result<Session>) -> Outcome<mry_session> {

@@ -15,7 +15,7 @@ use marey::segment::{CostVolumeSegmenter, SegmentParams, Segmenter};
 use marey::session::{Chosen, Document, Helpers, Incremental, Inputs, Tracked};
 use marey::track::Tracker;
 use marey::track::limb::{LimbParams, LimbTracker};
-use marey_plugin_loader::PluginKind;
+use marey_plugin_loader::{PluginKind, Slot};
 
 use crate::border::{List, Out};
 use crate::context::mry_context;
@@ -98,8 +98,7 @@ impl Call<'_> {
         if helpers.tracker.is_empty() {
             return Ok(Arc::new(LimbTracker { params }));
         }
-        let slot = self.context.plugins.slot(&helpers.tracker, PluginKind::Tracker);
-        slot.map_err(|e| e.about("session"))?.map_or_else(|| Err(no_plugin(&helpers.tracker)), |slot| Ok(slot as _))
+        Ok(self.session_plugin(&helpers.tracker, PluginKind::Tracker)?)
     }
 
     /// The segmenter that is chosen in a session: a plugin, or the built-in one.
@@ -107,8 +106,16 @@ impl Call<'_> {
         if helpers.segmenter.is_empty() {
             return Ok(Arc::new(CostVolumeSegmenter { params }));
         }
-        let slot = self.context.plugins.slot(&helpers.segmenter, PluginKind::Segmenter);
-        slot.map_err(|e| e.about("session"))?.map_or_else(|| Err(no_plugin(&helpers.segmenter)), |slot| Ok(slot as _))
+        Ok(self.session_plugin(&helpers.segmenter, PluginKind::Segmenter)?)
+    }
+
+    fn session_plugin(&self, id: &str, kind: PluginKind) -> Outcome<Arc<Slot>> {
+        let slot = self.context.plugins.slot(id, kind).map_err(|e| e.about("session"))?;
+        slot.ok_or_else(|| {
+            let message =
+                format!("the session works with plugin {id}, which is not loaded; load it, or choose another");
+            Failure::new(Code::MRY_E_PLUGIN_NOT_FOUND, "session", message)
+        })
     }
 
     /// What a job works on: the clip, what is drawn, which fits it, what was tracked before, and what is chosen.
@@ -143,11 +150,6 @@ impl Call<'_> {
         };
         job.take(|p| &mut p.for_session, keep)
     }
-}
-
-fn no_plugin(id: &str) -> Failure {
-    let message = format!("the session works with plugin {id}, which is not loaded; load it, or choose another");
-    Failure::new(Code::MRY_E_PLUGIN_NOT_FOUND, "session", message)
 }
 
 /// Starts tracking a session. Gives a motion.

@@ -174,8 +174,8 @@ pub(super) fn unpack(pieces: &[Piece], path: &Path, inputs: &mut Inputs) -> Resu
 
 /// Whether every file whose name begins so has all its bytes.
 fn is_whole(found: &BTreeMap<&str, (u64, u64)>, pieces: &[Piece], name: &str) -> bool {
-    let named = pieces.iter().map(|p| p.file.as_str()).filter(|file| file.starts_with(name));
-    named.into_iter().all(|file| found.get(file).is_some_and(|(have, of)| have == of))
+    let mut named = pieces.iter().map(|p| p.file.as_str()).filter(|file| file.starts_with(name));
+    named.all(|file| found.get(file).is_some_and(|(have, of)| have == of))
 }
 
 /// Where a file of that name goes; nowhere when the name leads out of the folder.
