@@ -12,6 +12,7 @@ mod palette;
 mod png;
 mod preview;
 pub mod report;
+pub mod take;
 mod write_aside;
 
 pub use creature_folder::{CreatureFiles, FolderOptions, check_creature_folder, write_creature};

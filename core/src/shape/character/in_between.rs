@@ -62,11 +62,21 @@ impl Poser {
         self.needles.settled()
     }
 
-    /// The mesh in every frame of a motion onto this skeleton, as [`crate::motion::retarget`] makes it.
+    /// The skeleton that is posed.
+    pub fn skeleton(&self) -> &Skeleton {
+        &self.skeleton
+    }
+
+    /// How many vertices the mesh has.
+    pub fn vertices(&self) -> usize {
+        self.rest.len()
+    }
+
+    /// The joints in a frame of a motion onto this skeleton, as [`crate::motion::retarget`] makes it.
     ///
     /// # Errors
-    /// A joint without its track, places that are not numbers, a cancel.
-    pub fn frame_of(&mut self, motion: &Motion, frame: usize, stage: Stage<'_>) -> Result<Vec<Vec2>> {
+    /// A joint without its track.
+    pub fn joints_of(&self, motion: &Motion, frame: usize) -> Result<Vec<Vec2>> {
         let place = |j: &super::Joint| {
             let track = motion.track(&j.name).and_then(|t| t.frames.get(frame)?.points.first().copied());
             track.ok_or_else(|| {
@@ -74,8 +84,7 @@ impl Poser {
                 crate::error::Error::invalid("motion", problem, "retarget it onto this skeleton first")
             })
         };
-        let joints: Vec<Vec2> = self.skeleton.joints.iter().map(place).collect::<Result<_>>()?;
-        self.pose(&joints, stage)
+        self.skeleton.joints.iter().map(place).collect()
     }
 
     fn count(&self, joints: &[Vec2]) -> Result<()> {
@@ -129,6 +138,16 @@ impl Animation {
     /// How many frames there are: up to the last key.
     pub fn frames(&self) -> usize {
         self.poses.keys.last().map_or(0, |k| k.frame + 1)
+    }
+
+    /// Frames a second.
+    pub fn fps(&self) -> f64 {
+        self.poses.fps
+    }
+
+    /// How many vertices the mesh has.
+    pub fn vertices(&self) -> usize {
+        self.poser.vertices()
     }
 
     /// The joints in a frame.

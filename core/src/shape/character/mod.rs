@@ -10,6 +10,7 @@ mod in_between;
 mod poses;
 mod rig_file;
 mod skeleton;
+mod take;
 #[cfg(test)]
 mod tests;
 
@@ -20,6 +21,7 @@ pub use crate::deform::{Regions, VertexClass};
 pub use in_between::{Animation, Poser};
 pub use poses::{Easing, KeyPose, Poses};
 pub use skeleton::{Joint, Skeleton};
+pub use take::{Take, TakeFrame};
 
 use crate::error::{Error, Result};
 use crate::geometry::{PlaneMesh, polygon};

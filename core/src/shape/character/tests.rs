@@ -301,7 +301,15 @@ fn a_motion_drives_the_character_by_its_joints() {
     let own = retarget(&motion, skeleton, &RetargetMap::default(), &RetargetParams::default()).expect("carried over");
     let progress = Progress::new();
     let mut poser = character.poser(&NeedleDeformer::default(), progress.whole()).expect("bound");
-    let driven = poser.frame_of(&own, 4, progress.whole()).expect("posed");
-    assert_eq!(driven, poser.pose(&poses[4], progress.whole()).expect("posed"));
-    assert!(poser.frame_of(&own, 5, progress.whole()).is_err());
+    let take = Take::of_motion(&mut poser, &own, &[], progress.whole()).expect("posed");
+    assert_eq!(take.frames.len(), 5);
+    assert_eq!(take.frames[4].points, poser.pose(&poses[4], progress.whole()).expect("posed"));
+    assert!(poser.joints_of(&own, 5).is_err());
+    let order = character.draw_order(&vec![0; character.skeleton.bones.len()]);
+    assert!(order.iter().copied().eq(0..character.mesh.triangles.len() as u32));
+    let mut depths = vec![0; character.skeleton.bones.len()];
+    depths[0] = 3;
+    let order = character.draw_order(&depths);
+    let inside = |t: u32| character.mesh.triangles[t as usize].iter().all(|v| character.regions.bone[*v as usize] == 0);
+    assert!(order.last().is_some_and(|t| inside(*t)) && !inside(order[0]));
 }
