@@ -20,6 +20,7 @@ use crate::motion::Motion;
 pub struct Poser {
     skeleton: Skeleton,
     rest: Vec<Vec2>,
+    triangles: Vec<[u32; 3]>,
     bone: Vec<u32>,
     needles: Needles,
 }
@@ -35,6 +36,7 @@ impl Character {
         Ok(Poser {
             skeleton: self.skeleton.clone(),
             rest: self.mesh.points.clone(),
+            triangles: self.mesh.triangles.clone(),
             bone: self.regions.bone.clone(),
             needles,
         })
@@ -87,7 +89,15 @@ impl Poser {
         self.skeleton.joints.iter().map(place).collect()
     }
 
-    fn count(&self, joints: &[Vec2]) -> Result<()> {
+    pub(super) fn triangles(&self) -> &[[u32; 3]] {
+        &self.triangles
+    }
+
+    pub(super) fn bone_of(&self, vertex: u32) -> u32 {
+        self.bone[vertex as usize]
+    }
+
+    pub(super) fn count(&self, joints: &[Vec2]) -> Result<()> {
         if joints.len() == self.skeleton.joints.len() {
             return Ok(());
         }

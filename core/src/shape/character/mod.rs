@@ -7,9 +7,12 @@
 mod curve_skeleton;
 mod cutout;
 mod in_between;
+mod overlap;
 mod poses;
+mod redrawing;
 mod rig_file;
 mod skeleton;
+mod sketching;
 mod take;
 #[cfg(test)]
 mod tests;
@@ -19,8 +22,10 @@ use image::RgbaImage;
 
 pub use crate::deform::{Regions, VertexClass};
 pub use in_between::{Animation, Poser};
+pub use overlap::Overlap;
 pub use poses::{Easing, KeyPose, Poses};
 pub use skeleton::{Joint, Skeleton};
+pub use sketching::Sketched;
 pub use take::{Take, TakeFrame};
 
 use crate::error::{Error, Result};
