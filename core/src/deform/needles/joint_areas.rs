@@ -1,31 +1,24 @@
 //! Stage two: the shape of the areas where bones meet.
 //!
-//! Pan and Zhang 2011, section 3.3.3: rotation-and-scale-invariant Laplacian coordinates of the outline, and edge
-//! lengths, by Gauss-Newton. A vertex of the outline between neighbours a and c is `z = (b - a) / (c - a)`, which no
-//! similarity changes. Lengths and coordinates are those of the rest shape after the stretch that stage one asks for at
-//! the place. Edge lengths do not see a mirrored triangle, so that each triangle also keeps its area, the more the
-//! nearer it is to vanishing. Steps are damped (Levenberg 1944; Marquardt 1963) and only taken downhill.
+//! Each is solved for on its own: from the start that `fill` makes, down the `energy`, by `descent`. On a drag an area whose
+//! bones keep their places to one another only moves along, and the others start from their last shape.
 
-use glam::{DMat2, DVec2, Vec2};
+use glam::{DVec2, Vec2};
 use rayon::prelude::*;
 
-use crate::deform::sparse::{Graph, Symbolic};
+use super::blend::{Blend, Placed, Posed};
+use super::descent::{Descent, System};
+use super::energy::{Terms, Wished};
+use super::fill::Fill;
+use crate::deform::sparse::{Fronts, Graph};
 use crate::error::Result;
 use crate::geometry::PlaneMesh;
 use crate::job::Stage;
 
-/// Steps at most.
-const STEPS: usize = 15;
-/// Done when a step lowers the energy by less than this share, or moves nothing by this share of the mean edge.
-const SETTLED: f64 = 6e-3;
-const STILL: f64 = 1e-2;
-/// An area whose energy is below this, in squared mean edges, only moved: rounding.
-const UNBENT: f64 = 1e-7;
-/// What a triangle's area weighs against edges and outline, which share 1.
-const AREA: f64 = 8.0;
-/// Triangles below this share of their area are pushed up as well, this hard.
-const THIN: f64 = 0.3;
-const PUSH: f64 = 40.0;
+/// From one frame to the next of a drag bones turn by less than this against one another, and stretch by less than this
+/// share. With steps of 50 degrees a limb that straightens stays creased.
+const TURN: f64 = 0.35;
+const STRETCH: f64 = 0.2;
 
 /// How the joint areas were settled, each on its own.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -39,7 +32,7 @@ pub struct Settled {
 pub struct SettledArea {
     /// Linear systems solved.
     pub iterations: usize,
-    /// The energy at the start and after each step that was taken: never rising.
+    /// The energy at the start and after each step that was taken: never rising. None of an area that moved along.
     pub energies: Vec<f64>,
     /// Triangles that are turned over.
     pub flipped: usize,
@@ -64,24 +57,28 @@ pub(super) struct JointAreas(Vec<Area>);
 /// The vertices of one area that may move, and what they mind.
 #[derive(Debug)]
 struct Area {
-    /// The free vertices.
-    free: Vec<u32>,
-    /// Their numbers, or `u32::MAX`.
-    number: Vec<u32>,
-    edges: Vec<[u32; 2]>,
-    triangles: Vec<[u32; 3]>,
-    /// A vertex of the outline between its neighbours.
-    outline: Vec<[u32; 3]>,
-    graph: Graph,
-    symbolic: Symbolic,
-    orientation: f64,
+    /// The free vertices in the order of elimination, then those that hold them.
+    vertices: Vec<u32>,
+    free: usize,
+    rest: Vec<DVec2>,
+    /// The bones that any of them follows.
+    bones: Vec<u32>,
+    terms: Terms,
+    fronts: Fronts,
+    fill: Option<Fill>,
+    wished: Wished,
+    descent: Descent,
+    /// What the last solve started from: the bones, and stage one.
+    posed: Vec<Posed>,
+    placed: Vec<Placed>,
+    /// Where it ended.
+    solved: Vec<DVec2>,
+    /// Where the free vertices are.
+    places: Vec<DVec2>,
 }
 
-/// The part of one residual: what it is, and its slope at each of three vertices.
-type Slope = [(u32, DVec2); 3];
-
 impl JointAreas {
-    pub(super) fn new(mesh: &PlaneMesh, free: &[bool]) -> Self {
+    pub(super) fn new(mesh: &PlaneMesh, free: &[bool], blend: &Blend) -> Self {
         // Free vertices that share a triangle hang together.
         let mut area: Vec<u32> = (0..free.len() as u32).collect();
         let find = |area: &mut [u32], mut v: u32| {
@@ -100,55 +97,48 @@ impl JointAreas {
         }
         let roots: Vec<u32> = (0..free.len() as u32).map(|v| find(&mut area, v)).collect();
         let first = (0..free.len()).filter(|&v| free[v] && roots[v] == v as u32);
+        let (edges, rims) = (mesh.edges(), mesh.rims());
         let area = |root: usize| {
             let own: Vec<bool> = (0..free.len()).map(|v| free[v] && roots[v] == root as u32).collect();
-            Area::new(mesh, &own)
+            Area::new(mesh, &edges, &rims, &own, blend)
         };
         Self(first.map(area).collect())
     }
 
-    /// Settles the free vertices of `places`, given how the mesh at `rest` is stretched at each vertex.
+    /// Settles the areas, going on from the last time when `warm`.
     pub(super) fn settle(
-        &self,
-        rest: &[DVec2],
-        stretches: &[DMat2],
+        &mut self,
+        blend: &Blend,
+        posed: &[Posed],
         outline_weight: f64,
-        places: &mut [DVec2],
+        warm: bool,
         stage: Stage<'_>,
     ) -> Result<Settled> {
         // Areas do not see one another's free vertices: in any order and on any thread they settle alike.
-        let given = &*places;
         let count = self.0.len() as f64;
-        let settled: Vec<(SettledArea, Vec<DVec2>)> = self
-            .0
-            .par_iter()
-            .enumerate()
-            .map(|(i, area)| {
-                let mut own = given.to_vec();
-                let part = stage.part(i as f64 / count, (i + 1) as f64 / count);
-                let settled = area.settle(rest, stretches, outline_weight, &mut own, part)?;
-                Ok((settled, area.free.iter().map(|&v| own[v as usize]).collect()))
-            })
-            .collect::<Result<_>>()?;
-        for (area, (_, own)) in self.0.iter().zip(&settled) {
-            area.free.iter().zip(own).for_each(|(&v, p)| places[v as usize] = *p);
-        }
-        Ok(Settled { areas: settled.into_iter().map(|s| s.0).collect() })
+        let settle = |(i, area): (usize, &mut Area)| {
+            let part = stage.part(i as f64 / count, (i + 1) as f64 / count);
+            area.settle(blend, posed, outline_weight, warm, part)
+        };
+        let areas = self.0.par_iter_mut().enumerate().map(settle).collect::<Result<_>>()?;
+        Ok(Settled { areas })
+    }
+
+    /// Every free vertex and where it is.
+    pub(super) fn each(&self, mut visit: impl FnMut(u32, DVec2)) {
+        self.0.iter().for_each(|a| a.vertices.iter().zip(&a.places).for_each(|(&v, p)| visit(v, *p)));
     }
 }
 
 impl Area {
-    fn new(mesh: &PlaneMesh, free: &[bool]) -> Self {
-        let mut number = vec![u32::MAX; free.len()];
-        let chosen: Vec<u32> = (0..free.len() as u32).filter(|&v| free[v as usize]).collect();
-        for (i, &v) in chosen.iter().enumerate() {
-            number[v as usize] = i as u32;
-        }
+    fn new(mesh: &PlaneMesh, edges: &[([u32; 2], u32)], rims: &[Vec<u32>], free: &[bool], blend: &Blend) -> Self {
         let any = |group: &[u32]| group.iter().any(|&v| free[v as usize]);
-        let edges: Vec<[u32; 2]> = mesh.edges().into_iter().map(|e| e.0).filter(|e| any(e)).collect();
-        let triangles: Vec<[u32; 3]> = mesh.triangles.iter().copied().filter(|t| any(t)).collect();
-        let outline: Vec<[u32; 3]> = mesh
-            .rims()
+        let orientation = (0..mesh.triangles.len()).map(|t| mesh.area(t)).sum::<f64>();
+        let edges: Vec<[u32; 2]> = edges.iter().map(|e| e.0).filter(|e| any(e)).collect();
+        let triangles = mesh.triangles.iter().filter(|t| any(&t[..]));
+        let triangles: Vec<[u32; 3]> =
+            triangles.map(|&[a, b, c]| if orientation < 0.0 { [a, c, b] } else { [a, b, c] }).collect();
+        let outline: Vec<[u32; 3]> = rims
             .iter()
             .flat_map(|rim| {
                 let n = rim.len();
@@ -156,217 +146,120 @@ impl Area {
             })
             .filter(|o| free[o[1] as usize])
             .collect();
-        // Two unknowns a vertex: x at even numbers, y at odd ones.
-        let doubled = |group: &[u32]| -> Vec<u32> {
-            let numbers = group.iter().map(|&v| number[v as usize]).filter(|n| *n != u32::MAX);
-            numbers.flat_map(|n| [2 * n, 2 * n + 1]).collect()
+
+        const NONE: u32 = u32::MAX;
+        let chosen: Vec<u32> = (0..free.len() as u32).filter(|&v| free[v as usize]).collect();
+        let mut number = vec![NONE; free.len()];
+        chosen.iter().enumerate().for_each(|(i, &v)| number[v as usize] = i as u32);
+        let graph_of = |groups: &[&[[u32; 3]]], number: &[u32]| {
+            let groups: Vec<Vec<u32>> = groups
+                .iter()
+                .flat_map(|g| g.iter())
+                .map(|t| t.iter().map(|&v| number[v as usize]).filter(|n| (*n as usize) < chosen.len()).collect())
+                .collect();
+            Graph::of_groups(chosen.len(), groups.iter().map(|g: &Vec<u32>| &g[..]))
         };
-        let groups: Vec<Vec<u32>> = triangles.iter().chain(&outline).map(|t| doubled(t)).collect();
-        let graph = Graph::of_groups(2 * chosen.len(), groups.iter().filter(|g| !g.is_empty()).map(|g| &g[..]));
-        let places: Vec<Vec2> = chosen.iter().flat_map(|&v| [mesh.points[v as usize]; 2]).collect();
-        let symbolic = Symbolic::new(&graph, &places);
-        let area: f64 = (0..mesh.triangles.len()).map(|t| mesh.area(t)).sum();
-        Self { free: chosen, number, edges, triangles, outline, graph, symbolic, orientation: area.signum() }
+        let points: Vec<Vec2> = chosen.iter().map(|&v| mesh.points[v as usize]).collect();
+        let (fronts, order) = Fronts::new(&graph_of(&[&triangles, &outline], &number), &points);
+        let mut vertices: Vec<u32> = order.iter().map(|&i| chosen[i as usize]).collect();
+        vertices.iter().enumerate().for_each(|(i, &v)| number[v as usize] = i as u32);
+        for &v in triangles.iter().chain(&outline).flatten() {
+            if number[v as usize] == NONE {
+                number[v as usize] = vertices.len() as u32;
+                vertices.push(v);
+            }
+        }
+        let graph = graph_of(&[&triangles], &number);
+        let inside = |t: [u32; 3]| t.map(|v| number[v as usize]);
+        let triangles: Vec<[u32; 3]> = triangles.into_iter().map(inside).collect();
+        let outline = outline.into_iter().map(inside).collect();
+        let edges = edges.into_iter().map(|e| e.map(|v| number[v as usize])).collect();
+        let rest: Vec<DVec2> = vertices.iter().map(|&v| mesh.points[v as usize].as_dvec2()).collect();
+        let fill = Fill::new(&graph, &rest, &triangles);
+        let terms = Terms::new(chosen.len(), &fronts, edges, triangles, outline);
+        let mut bones: Vec<u32> = vertices.iter().flat_map(|&v| blend.bones_of(v)).collect();
+        bones.sort_unstable();
+        bones.dedup();
+        let free = chosen.len();
+        Self {
+            descent: Descent::new(&fronts, vertices.len(), free),
+            vertices,
+            free,
+            rest,
+            bones,
+            terms,
+            fronts,
+            fill,
+            wished: Wished::default(),
+            posed: Vec::new(),
+            placed: Vec::new(),
+            solved: Vec::new(),
+            places: Vec::new(),
+        }
     }
 
     fn settle(
-        &self,
-        rest: &[DVec2],
-        stretches: &[DMat2],
+        &mut self,
+        blend: &Blend,
+        posed: &[Posed],
         outline_weight: f64,
-        places: &mut [DVec2],
+        warm: bool,
         stage: Stage<'_>,
     ) -> Result<SettledArea> {
-        let wished = Wished::new(self, rest, stretches, outline_weight);
-        let mut settled = SettledArea::default();
-        let mut energy = self.energy(&wished, places);
-        settled.energies.push(energy);
-        let mean = wished.lengths.iter().sum::<f64>() / wished.lengths.len().max(1) as f64;
-        if energy < UNBENT * mean * mean {
-            return Ok(settled);
+        let now: Vec<Posed> = self.bones.iter().map(|&b| posed[b as usize]).collect();
+        if warm && let Some((turn, shift)) = moved_as_one(&self.posed, &now, 1e-3 * self.wished.mean) {
+            self.places.clear();
+            self.places.extend(self.solved[..self.free].iter().map(|p| turn.rotate(*p) + shift));
+            return Ok(SettledArea { flipped: self.terms.turned(&self.solved), ..SettledArea::default() });
         }
-        let mut damping = 1e-3;
-        while settled.iterations < STEPS {
-            stage.at(settled.iterations as f64 / STEPS as f64)?;
-            let system = self.assemble(&wished, places);
-            let mut next = None;
-            while settled.iterations < STEPS {
-                settled.iterations += 1;
-                let Some(step) = self.step(&system, damping) else {
-                    damping *= 10.0;
-                    continue;
-                };
-                let mut trial = places.to_vec();
-                self.free.iter().zip(&step).for_each(|(&v, d)| trial[v as usize] += *d);
-                let lower = self.energy(&wished, &trial);
-                if lower < energy {
-                    let longest = step.iter().map(|d| d.length()).fold(0.0, f64::max);
-                    next = Some((trial, lower, longest));
-                    damping = (damping / 5.0).max(1e-6);
-                    break;
-                }
-                damping *= 10.0;
-                if damping > 1e6 {
-                    break;
-                }
-            }
-            let Some((trial, lower, longest)) = next else { break };
-            places.copy_from_slice(&trial);
-            let drop = energy - lower;
-            energy = lower;
-            settled.energies.push(energy);
-            let turned = self.flipped(places);
-            if turned == 0 && (drop < SETTLED * energy || longest < STILL * mean) {
-                break;
+        let near = warm && is_near(&self.posed, &now);
+        self.posed = now;
+        let placed = self.vertices.iter().map(|&v| blend.place(v as usize, posed)).collect();
+        let before = std::mem::replace(&mut self.placed, placed);
+        self.wished.measure(&self.terms, &self.rest, &self.placed, outline_weight);
+        let stage_one = || self.placed.iter().map(|p| p.at).collect::<Vec<_>>();
+        let mut places = stage_one();
+        let mut sound = false;
+        if near && let Some(fill) = &mut self.fill {
+            places[..self.free].copy_from_slice(&self.solved[..self.free]);
+            fill.carry(&self.rest, &self.terms.triangles, [&before, &self.placed], &self.solved, &mut places);
+            sound = self.terms.turned(&places) == 0;
+        }
+        let system = System { terms: &self.terms, wished: &self.wished, fronts: &self.fronts, free: self.free };
+        if !sound {
+            places = stage_one();
+            // An area that only moved stays as stage one has it, to the bit.
+            if system.energy(&places) >= system.unbent()
+                && let Some(fill) = &mut self.fill
+            {
+                fill.fill(&self.rest, &self.terms.triangles, &self.placed, &mut places);
             }
         }
-        settled.flipped = self.flipped(places);
+        let settled = self.descent.run(&system, &self.placed, !sound, &mut places, stage)?;
+        self.places.clear();
+        self.places.extend_from_slice(&places[..self.free]);
+        self.solved = places;
         Ok(settled)
     }
+}
 
-    fn flipped(&self, places: &[DVec2]) -> usize {
-        self.triangles.iter().filter(|t| self.area(t, places) <= 0.0).count()
-    }
+/// Whether the bones turned and stretched little enough against one another to go on from the last shape.
+fn is_near(from: &[Posed], to: &[Posed]) -> bool {
+    let turns = || from.iter().zip(to).map(|(a, b)| b.turn - a.turn);
+    let range = turns().fold((f64::MAX, f64::MIN), |r, t| (r.0.min(t), r.1.max(t)));
+    let stretched = |(a, b): (&Posed, &Posed)| (b.along / a.along).ln().abs() < STRETCH;
+    from.len() == to.len() && range.1 - range.0 < TURN && from.iter().zip(to).all(stretched)
+}
 
-    fn area(&self, t: &[u32; 3], places: &[DVec2]) -> f64 {
-        let [a, b, c] = t.map(|v| places[v as usize]);
-        0.5 * self.orientation * (b - a).perp_dot(c - a)
-    }
-
-    /// Calls `visit` with every residual and its slope.
-    fn residuals(&self, wished: &Wished, places: &[DVec2], mut visit: impl FnMut(f64, Slope)) {
-        let root = wished.edge_weight.sqrt();
-        for (&[a, b], length) in self.edges.iter().zip(&wished.lengths) {
-            let way = places[b as usize] - places[a as usize];
-            let now = way.length();
-            let along = if now > 0.0 { way / now } else { DVec2::X };
-            visit(root * (now - length), [(b, root * along), (a, -root * along), (a, DVec2::ZERO)]);
-        }
-        for (&[a, b, c], (z, size)) in self.outline.iter().zip(&wished.outline) {
-            let chord = places[c as usize] - places[a as usize];
-            let square = chord.length_squared();
-            // Neighbours on one spot have no frame; the edges part them again.
-            if square < 1e-4 * size * size {
-                continue;
-            }
-            let over = DVec2::new(chord.x, -chord.y) / square;
-            let now = (places[b as usize] - places[a as usize]).rotate(over);
-            let weight = wished.outline_weight.sqrt() * size;
-            let gap = now - *z;
-            // Derivatives as complex numbers; a number p + iq acts as the matrix [p -q; q p].
-            let slopes = [(now - DVec2::X).rotate(over), over, -now.rotate(over)].map(|d| d * weight);
-            visit(weight * gap.x, [(a, slope_x(slopes[0])), (b, slope_x(slopes[1])), (c, slope_x(slopes[2]))]);
-            visit(weight * gap.y, [(a, slope_y(slopes[0])), (b, slope_y(slopes[1])), (c, slope_y(slopes[2]))]);
-        }
-        for (t, area) in self.triangles.iter().zip(&wished.areas) {
-            let now = self.area(t, places);
-            let [a, b, c] = t.map(|v| places[v as usize]);
-            // In lengths, as the other residuals are.
-            let scale = 1.0 / area.sqrt();
-            let half = 0.5 * self.orientation * scale;
-            let slope = [b - c, c - a, a - b].map(|e| DVec2::new(e.y, -e.x) * half);
-            let with = |weight: f64| [0, 1, 2].map(|i| (t[i], slope[i] * weight));
-            let root = AREA.sqrt();
-            visit(root * (now - area) * scale, with(root));
-            if now < THIN * area {
-                let root = PUSH.sqrt();
-                visit(root * (now - THIN * area) * scale, with(root));
-            }
-        }
-    }
-
-    fn energy(&self, wished: &Wished, places: &[DVec2]) -> f64 {
-        let mut sum = 0.0;
-        self.residuals(wished, places, |r, _| sum += r * r);
-        sum
-    }
-
-    fn assemble(&self, wished: &Wished, places: &[DVec2]) -> System {
-        let n = self.graph.len();
-        let mut system = System { diagonal: vec![0.0; n], off: vec![0.0; self.graph.entries()], right: vec![0.0; n] };
-        self.residuals(wished, places, |r, slope| {
-            let parts = || {
-                let free = slope.iter().filter(|(v, _)| self.number[*v as usize] != u32::MAX);
-                free.flat_map(|(v, s)| {
-                    let i = 2 * self.number[*v as usize];
-                    [(i, s.x), (i + 1, s.y)]
-                })
-            };
-            for (i, s) in parts() {
-                system.right[i as usize] -= s * r;
-                for (j, q) in parts() {
-                    if i == j {
-                        system.diagonal[i as usize] += s * q;
-                    } else if let Some(entry) = self.graph.entry(i as usize, j) {
-                        system.off[entry] += s * q;
-                    }
-                }
-            }
+/// The turn and shift that brings all bones from where they were to where they are, if one does within `give`.
+fn moved_as_one(from: &[Posed], to: &[Posed], give: f64) -> Option<(DVec2, DVec2)> {
+    let (old, new) = (from.first()?, to.first()?);
+    let turn = DVec2::from_angle(new.turn - old.turn);
+    let shift = new.root - turn.rotate(old.root);
+    let same = |a: DVec2, b: DVec2| (turn.rotate(a) + shift).distance_squared(b) <= give * give;
+    let all = from.len() == to.len()
+        && from.iter().zip(to).all(|(a, b)| {
+            same(a.root, b.root) && same(a.tip, b.tip) && (b.turn - a.turn - (new.turn - old.turn)).abs() < 1.0
         });
-        system
-    }
-
-    /// The damped step of every free vertex; `None` when the system is too flat.
-    fn step(&self, system: &System, damping: f64) -> Option<Vec<DVec2>> {
-        let largest = system.diagonal.iter().copied().fold(0.0, f64::max);
-        let diagonal: Vec<f64> = system.diagonal.iter().map(|d| d * (1.0 + damping) + 1e-9 * largest).collect();
-        let mut factor = self.symbolic.factor(&self.graph, &diagonal, &system.off)?;
-        let mut u = vec![Vec2::ZERO; self.graph.len()];
-        for (i, &v) in self.symbolic.order().iter().enumerate() {
-            u[i].x = system.right[v as usize] as f32;
-        }
-        factor.solve(&self.symbolic, &mut u);
-        let place = self.symbolic.place();
-        let value = |i: usize| f64::from(u[place[i] as usize].x);
-        Some((0..self.free.len()).map(|i| DVec2::new(value(2 * i), value(2 * i + 1))).collect())
-    }
-}
-
-fn slope_x(d: DVec2) -> DVec2 {
-    DVec2::new(d.x, -d.y)
-}
-
-fn slope_y(d: DVec2) -> DVec2 {
-    DVec2::new(d.y, d.x)
-}
-
-struct System {
-    diagonal: Vec<f64>,
-    off: Vec<f64>,
-    right: Vec<f64>,
-}
-
-/// What the stretched rest shape has.
-struct Wished {
-    edge_weight: f64,
-    outline_weight: f64,
-    lengths: Vec<f64>,
-    /// `z` of each vertex of the outline, and the way between its neighbours.
-    outline: Vec<(DVec2, f64)>,
-    areas: Vec<f64>,
-}
-
-impl Wished {
-    fn new(own: &Area, rest: &[DVec2], stretches: &[DMat2], outline_weight: f64) -> Self {
-        let way = |a: u32, b: u32| {
-            let (a, b) = (a as usize, b as usize);
-            (stretches[a] + stretches[b]) * 0.5 * (rest[b] - rest[a])
-        };
-        let outline = own.outline.iter().map(|&[a, b, c]| {
-            let (to_b, to_c) = (way(a, b), way(a, b) + way(b, c));
-            let square = to_c.length_squared().max(1e-12);
-            (to_b.rotate(DVec2::new(to_c.x, -to_c.y)) / square, to_c.length().max(1e-6))
-        });
-        let area = |t: &[u32; 3]| {
-            let mean = t.iter().map(|&v| stretches[v as usize].determinant()).sum::<f64>() / 3.0;
-            (own.area(t, rest) * mean).max(1e-9)
-        };
-        Self {
-            edge_weight: 1.0 - outline_weight,
-            outline_weight,
-            lengths: own.edges.iter().map(|&[a, b]| way(a, b).length()).collect(),
-            outline: outline.collect(),
-            areas: own.triangles.iter().map(area).collect(),
-        }
-    }
+    all.then_some((turn, shift))
 }

@@ -123,6 +123,17 @@ impl Symbolic {
         &self.place
     }
 
+    /// How many blocks there are.
+    pub(super) fn count(&self) -> usize {
+        self.blocks.len()
+    }
+
+    /// A block's columns, its rows below them, and its parent.
+    pub(super) fn block(&self, b: usize) -> (std::ops::Range<usize>, &[u32], Option<usize>) {
+        let block = &self.blocks[b];
+        (block.own(), block.rows(self), (block.parent != NONE).then_some(block.parent as usize))
+    }
+
     /// The ranges of the order that lie under one another in the tree of elimination, at most `most` vertices each:
     /// parts of the graph that hang together. Vertices between them belong to none.
     pub(crate) fn parts(&self, most: usize) -> Vec<std::ops::Range<usize>> {

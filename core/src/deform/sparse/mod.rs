@@ -3,6 +3,8 @@
 mod cholesky;
 mod dissection;
 mod graph;
+mod newton;
 
 pub(crate) use cholesky::{Factor, Rows, Symbolic};
 pub(crate) use graph::Graph;
+pub(crate) use newton::{Fronts, Matrix};

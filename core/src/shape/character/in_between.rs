@@ -59,6 +59,16 @@ impl Poser {
         Ok(points)
     }
 
+    /// Moves `points`, the mesh that the last pose gave, on to another place of the joints: for drags, many times as fast
+    /// as a new [`Poser::pose`] and within a pixel of it but for poses that press flesh together. Pose anew on release.
+    ///
+    /// # Errors
+    /// Another number of joints or points, places that are not numbers, a cancel; `points` are then as they were.
+    pub fn drag(&mut self, joints: &[Vec2], points: &mut [Vec2], stage: Stage<'_>) -> Result<()> {
+        self.count(joints)?;
+        self.needles.solve(&handles(&self.skeleton, joints), points, stage)
+    }
+
     /// How the joint areas of the last pose were settled.
     pub fn settled(&self) -> &Settled {
         self.needles.settled()

@@ -303,7 +303,12 @@ fn a_motion_drives_the_character_by_its_joints() {
     let mut poser = character.poser(&NeedleDeformer::default(), progress.whole()).expect("bound");
     let take = Take::of_motion(&mut poser, &own, &[], progress.whole()).expect("posed");
     assert_eq!(take.frames.len(), 5);
-    assert_eq!(take.frames[4].points, poser.pose(&poses[4], progress.whole()).expect("posed"));
+    let driven = poser.pose(&poses[4], progress.whole()).expect("posed");
+    assert_eq!(take.frames[4].points, driven);
+    let mut dragged = poser.pose(&poses[3], progress.whole()).expect("posed");
+    poser.drag(&poses[4], &mut dragged, progress.whole()).expect("dragged");
+    assert!(dragged.iter().zip(&driven).all(|(a, b)| a.distance(*b) < 0.5));
+    assert!(poser.drag(&poses[4][1..], &mut dragged, progress.whole()).is_err());
     assert!(poser.joints_of(&own, 5).is_err());
     let order = character.draw_order(&vec![0; character.skeleton.bones.len()]);
     assert!(order.iter().copied().eq(0..character.mesh.triangles.len() as u32));
