@@ -2,9 +2,12 @@
 //!
 //! Frames are drawn and packed in parallel, a few at a time, so that memory stays small however long the clip. A pixel
 //! that still looks like what is shown is left alone: noise does not reach the file.
+//!
+//! Pixels are clear or opaque, from half on, and opaque ones have the colour of the drawing itself, mixed with nothing: there
+//! is no halo, whatever the page behind. Where something opaque leaves a pixel clear, the frame before is disposed of.
 
 use gif::{DisposalMethod, Encoder, Frame, Repeat};
-use image::RgbImage;
+use image::{DynamicImage, RgbImage, RgbaImage};
 use rayon::prelude::*;
 
 use super::palette::Palette;
@@ -17,6 +20,8 @@ const SAMPLES: usize = 8;
 const CHUNK: usize = 8;
 /// A pixel stays as it is shown while it is off by no more than this in any channel.
 const KEEP: u8 = 7;
+/// Opacity from which on a pixel is opaque.
+pub(super) const OPAQUE: u8 = 128;
 /// Hundredths of a second; viewers slow down what is shorter.
 const SHORTEST: u64 = 2;
 
@@ -54,13 +59,34 @@ pub fn encode(
     draw: impl Fn(usize) -> Result<RgbImage> + Sync,
     stage: Stage<'_>,
 ) -> Result<Vec<u8>> {
+    encode_any(schedule, fixed, |frame| Ok(DynamicImage::from(draw(frame)?).into_rgba8()), stage)
+}
+
+/// The bytes of a looping GIF of pictures that are clear in places, as [`encode`] makes it of opaque ones.
+///
+/// # Errors
+/// As for [`encode`].
+pub fn encode_clear(
+    schedule: &Schedule,
+    draw: impl Fn(usize) -> Result<RgbaImage> + Sync,
+    stage: Stage<'_>,
+) -> Result<Vec<u8>> {
+    encode_any(schedule, &[], draw, stage)
+}
+
+fn encode_any(
+    schedule: &Schedule,
+    fixed: &[[u8; 3]],
+    draw: impl Fn(usize) -> Result<RgbaImage> + Sync,
+    stage: Stage<'_>,
+) -> Result<Vec<u8>> {
     let count = schedule.frames.len();
     let spread = count.div_ceil(SAMPLES).max(1);
     let drawn = |i: usize| {
         stage.at(i as f64 / count.max(1) as f64)?;
         draw(schedule.frames[i])
     };
-    let mut samples: Vec<(usize, RgbImage)> = (0..count)
+    let mut samples: Vec<(usize, RgbaImage)> = (0..count)
         .step_by(spread)
         .collect::<Vec<_>>()
         .into_par_iter()
@@ -75,7 +101,7 @@ pub fn encode(
     let (Ok(width), Ok(height)) = (u16::try_from(size.0), u16::try_from(size.1)) else {
         return Err(Error::invalid("a GIF", format!("of {}x{}", size.0, size.1), "draw it at most 65,535 pixels wide"));
     };
-    let pictures: Vec<RgbImage> = samples.iter().map(|s| s.1.clone()).collect();
+    let pictures: Vec<RgbaImage> = samples.iter().map(|s| s.1.clone()).collect();
     let palette = Palette::build(&pictures, fixed);
     drop(pictures);
 
@@ -84,9 +110,11 @@ pub fn encode(
     let mut encoder = Encoder::new(Vec::new(), width, height, &flat).map_err(failed)?;
     encoder.set_repeat(Repeat::Infinite).map_err(failed)?;
     let mut shown: Vec<u8> = Vec::new();
+    // A frame is packed when the next one is known, which may ask it to go.
+    let mut waiting: Option<RgbaImage> = None;
     for from in (0..count).step_by(CHUNK) {
         let chunk: Vec<usize> = (from..(from + CHUNK).min(count)).collect();
-        let mut known: Vec<Option<RgbImage>> = vec![None; chunk.len()];
+        let mut known: Vec<Option<RgbaImage>> = vec![None; chunk.len()];
         samples.retain_mut(|(i, picture)| match known.get_mut(i.wrapping_sub(from)) {
             Some(slot) => {
                 *slot = Some(std::mem::take(picture));
@@ -94,14 +122,20 @@ pub fn encode(
             }
             None => true,
         });
-        let pictures: Vec<RgbImage> =
+        let pictures: Vec<RgbaImage> =
             chunk.par_iter().zip(known).map(|(&i, known)| known.map_or_else(|| drawn(i), Ok)).collect::<Result<_>>()?;
-        let mut frames = Vec::with_capacity(chunk.len());
-        for (&i, picture) in chunk.iter().zip(&pictures) {
+        let mut frames = Vec::with_capacity(chunk.len() + 1);
+        for (&i, picture) in chunk.iter().zip(pictures) {
             if picture.dimensions() != size {
                 return Err(Error::invalid("a GIF", "has frames of several sizes", "draw them all at one size"));
             }
-            frames.push(change(&palette, picture, &mut shown, schedule.delays[i]));
+            if let Some(before) = &waiting {
+                frames.push(change(&palette, before, Some(&picture), &mut shown, schedule.delays[i - 1]));
+            }
+            waiting = Some(picture);
+        }
+        if let Some(last) = waiting.as_ref().filter(|_| from + chunk.len() == count) {
+            frames.push(change(&palette, last, None, &mut shown, schedule.delays[count - 1]));
         }
         frames.par_iter_mut().for_each(Frame::make_lzw_pre_encoded);
         for frame in &frames {
@@ -112,28 +146,39 @@ pub fn encode(
     encoder.into_inner().map_err(failed)
 }
 
-/// The smallest frame that turns what is `shown` into `picture`.
-fn change(palette: &Palette, picture: &RgbImage, shown: &mut Vec<u8>, delay: u16) -> Frame<'static> {
+/// The smallest frame that turns what is `shown` into `picture`, and is disposed of where the `next` one needs it to be.
+fn change(
+    palette: &Palette,
+    picture: &RgbaImage,
+    next: Option<&RgbaImage>,
+    shown: &mut Vec<u8>,
+    delay: u16,
+) -> Frame<'static> {
     let (width, height) = (picture.width() as usize, picture.height() as usize);
     let as_before = palette.colors().len() as u8;
     let mut indices = vec![as_before; width * height];
-    if shown.is_empty() {
-        for (index, pixel) in indices.iter_mut().zip(picture.as_raw().chunks_exact(3)) {
-            *index = palette.nearest([pixel[0], pixel[1], pixel[2]]);
-        }
-        shown.clone_from(&indices);
-        return frame(indices, (0, 0, width, height), None, delay);
+    let first = shown.is_empty();
+    if first {
+        shown.resize(width * height, as_before);
     }
-    let (mut left, mut right, mut top, mut bottom) = (width, 0, height, 0);
-    for (i, pixel) in picture.as_raw().chunks_exact(3).enumerate() {
-        let now = palette.colors()[usize::from(shown[i])];
-        if (0..3).all(|c| now[c].abs_diff(pixel[c]) <= KEEP) {
+    let (mut left, mut right, mut top, mut bottom) = if first { (0, width, 0, height) } else { (width, 0, height, 0) };
+    let is_opaque = |picture: &RgbaImage, i: usize| picture.as_raw()[4 * i + 3] >= OPAQUE;
+    let mut leaves = false;
+    for (i, pixel) in picture.as_raw().chunks_exact(4).enumerate() {
+        if pixel[3] < OPAQUE {
             continue;
         }
-        let best = palette.nearest([pixel[0], pixel[1], pixel[2]]);
-        if best != shown[i] {
-            indices[i] = best;
-            shown[i] = best;
+        let now = palette.colors().get(usize::from(shown[i]));
+        if !now.is_some_and(|now| (0..3).all(|c| now[c].abs_diff(pixel[c]) <= KEEP)) {
+            let best = palette.nearest([pixel[0], pixel[1], pixel[2]]);
+            if best != shown[i] {
+                indices[i] = best;
+                shown[i] = best;
+            }
+        }
+        let leaves_now = next.is_some_and(|next| !is_opaque(next, i));
+        leaves |= leaves_now;
+        if leaves_now || indices[i] != as_before {
             let (x, y) = (i % width, i / width);
             (left, right) = (left.min(x), right.max(x + 1));
             (top, bottom) = (top.min(y), bottom.max(y + 1));
@@ -143,8 +188,14 @@ fn change(palette: &Palette, picture: &RgbImage, shown: &mut Vec<u8>, delay: u16
         // Nothing changed, but the time must pass.
         (left, right, top, bottom) = (0, 1, 0, 1);
     }
-    let cut: Vec<u8> = (top..bottom).flat_map(|y| &indices[y * width + left..y * width + right]).copied().collect();
-    frame(cut, (left, top, right - left, bottom - top), Some(as_before), delay)
+    let row = |y: usize| y * width + left..y * width + right;
+    let cut: Vec<u8> = (top..bottom).flat_map(|y| &indices[row(y)]).copied().collect();
+    if leaves {
+        (top..bottom).for_each(|y| shown[row(y)].fill(as_before));
+    }
+    let transparent = cut.contains(&as_before).then_some(as_before);
+    let dispose = if leaves { DisposalMethod::Background } else { DisposalMethod::Keep };
+    frame(cut, (left, top, right - left, bottom - top), transparent, delay, dispose)
 }
 
 fn frame(
@@ -152,10 +203,11 @@ fn frame(
     (left, top, width, height): (usize, usize, usize, usize),
     transparent: Option<u8>,
     delay: u16,
+    dispose: DisposalMethod,
 ) -> Frame<'static> {
     Frame {
         delay,
-        dispose: DisposalMethod::Keep,
+        dispose,
         transparent,
         left: left as u16,
         top: top as u16,

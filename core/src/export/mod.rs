@@ -1,5 +1,6 @@
 //! Everything that leaves the engine: files for other programs and pictures for people.
 
+pub mod animation;
 mod canvas;
 mod creature_folder;
 mod folder;

@@ -5,7 +5,7 @@
 //! k-means settle the rest. Colours that must not drift (lines, labels) are given and stay. Distances are plain sRGB
 //! with the eye's rough weights.
 
-use image::RgbImage;
+use image::RgbaImage;
 use rayon::prelude::*;
 
 /// Colours a palette holds at most: one index of 256 is left for "as before".
@@ -33,8 +33,8 @@ struct Bin {
 }
 
 impl Palette {
-    /// The palette that fits `pictures` best and holds `fixed`, as many of them as there is room for.
-    pub(super) fn build(pictures: &[RgbImage], fixed: &[[u8; 3]]) -> Self {
+    /// The palette that fits what is opaque of `pictures` best and holds `fixed`, as many of them as there is room for.
+    pub(super) fn build(pictures: &[RgbaImage], fixed: &[[u8; 3]]) -> Self {
         let mut bins = histogram(pictures);
         let mut colors: Vec<[f32; 3]> = fixed.iter().take(MAX_COLORS).map(|c| c.map(f32::from)).collect();
         let kept = colors.len();
@@ -81,9 +81,10 @@ fn center(bin: usize) -> [f32; 3] {
 }
 
 /// Occupied bins with their mean colours. Large even areas weigh less than their size, or details starve.
-fn histogram(pictures: &[RgbImage]) -> Vec<Bin> {
+fn histogram(pictures: &[RgbaImage]) -> Vec<Bin> {
     let mut sums = vec![[0u64; 4]; BINS];
-    for pixel in pictures.iter().flat_map(|p| p.as_raw().chunks_exact(3)) {
+    let pixels = pictures.iter().flat_map(|p| p.as_raw().chunks_exact(4));
+    for pixel in pixels.filter(|p| p[3] >= super::gif::OPAQUE) {
         let sum = &mut sums[bin_of([pixel[0], pixel[1], pixel[2]])];
         for c in 0..3 {
             sum[c] += u64::from(pixel[c]);
@@ -186,7 +187,10 @@ mod tests {
     #[test]
     fn few_colours_are_kept_as_they_are() {
         let given = [[0u8, 0, 0], [255, 255, 255], [200, 30, 40], [12, 90, 200]];
-        let picture = RgbImage::from_fn(40, 40, |x, y| image::Rgb(given[((x / 7 + y / 5) % 4) as usize]));
+        let picture = RgbaImage::from_fn(40, 40, |x, y| {
+            let [r, g, b] = given[((x / 7 + y / 5) % 4) as usize];
+            image::Rgba([r, g, b, 255])
+        });
         let palette = Palette::build(&[picture], &[[90, 2, 3]]);
         for color in given {
             let got = palette.colors()[usize::from(palette.nearest(color))];
@@ -197,14 +201,15 @@ mod tests {
 
     #[test]
     fn smooth_colours_are_met_closely_and_rare_given_ones_exactly() {
-        let picture = RgbImage::from_fn(256, 256, |x, y| image::Rgb([x as u8, y as u8, ((x + y) / 2) as u8]));
+        let picture = RgbaImage::from_fn(256, 256, |x, y| image::Rgba([x as u8, y as u8, ((x + y) / 2) as u8, 255]));
         let palette = Palette::build(std::slice::from_ref(&picture), &[[255, 0, 255]]);
         assert_eq!(palette.colors().len(), MAX_COLORS);
         assert_eq!(palette.colors()[usize::from(palette.nearest([255, 0, 255]))], [255, 0, 255]);
         let error: f64 = picture
             .pixels()
             .map(|p| {
-                let q = palette.colors()[usize::from(palette.nearest(p.0))];
+                let [r, g, b, _] = p.0;
+                let q = palette.colors()[usize::from(palette.nearest([r, g, b]))];
                 p.0.iter().zip(q).map(|(a, b)| f64::from(a.abs_diff(b)).powi(2)).sum::<f64>()
             })
             .sum::<f64>()

@@ -1,7 +1,7 @@
 //! Pictures as PNG bytes, fast rather than smallest.
 
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
-use image::{ExtendedColorType, ImageEncoder, RgbImage};
+use image::{ExtendedColorType, ImageEncoder, RgbImage, RgbaImage};
 
 use crate::error::{Error, Result};
 use crate::raster::Mask;
@@ -9,6 +9,11 @@ use crate::raster::Mask;
 /// An sRGB picture.
 pub(super) fn encode_rgb(image: &RgbImage) -> Result<Vec<u8>> {
     encode(image.as_raw(), image.dimensions(), ExtendedColorType::Rgb8, FilterType::Adaptive)
+}
+
+/// An sRGB picture with straight alpha.
+pub(super) fn encode_rgba(image: &RgbaImage) -> Result<Vec<u8>> {
+    encode(image.as_raw(), image.dimensions(), ExtendedColorType::Rgba8, FilterType::Adaptive)
 }
 
 /// A mask as 8-bit grey, 0 or 255.

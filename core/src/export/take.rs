@@ -4,9 +4,10 @@ use std::path::{Path, PathBuf};
 
 use image::RgbaImage;
 
+use super::animation::{self, Animation, AnimationFormat};
 use crate::error::{Error, Result};
 use crate::job::Stage;
-use crate::shape::character::{Character, Take};
+use crate::shape::character::{Canvas, Character, Drawing, Take, cut_out};
 
 /// What a take can be written as.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -122,6 +123,65 @@ pub fn write_take(
     options: &TakeOptions,
     stage: Stage<'_>,
 ) -> Result<TakeFiles> {
-    let _ = (subject, options, stage);
-    Err(Error::invalid(format!("{}", path.display()), format!("{format:?} is not written"), "choose another format"))
+    let TakeSubject { name, character, picture, take } = subject;
+    check(subject)?;
+    let format = match format {
+        TakeFormat::PngFolder => AnimationFormat::PngFolder,
+        TakeFormat::SpriteSheet => AnimationFormat::SpriteSheet,
+        TakeFormat::Gif => AnimationFormat::Gif,
+        TakeFormat::Apng => AnimationFormat::Apng,
+        TakeFormat::WebP => AnimationFormat::WebP,
+        TakeFormat::Mp4 => AnimationFormat::Mp4,
+        TakeFormat::Glb | TakeFormat::Lottie | TakeFormat::Spine | TakeFormat::DragonBones => {
+            let problem = format!("{format:?} is not written");
+            return Err(Error::invalid(format!("{}", path.display()), problem, "choose another format"));
+        }
+    };
+    stage.name("cutting out")?;
+    let canvas = Canvas::new(character, take, options.scale, options.grow)?;
+    let drawing = Drawing::new(character, &cut_out(picture)?, options.scale)?;
+    stage.at(0.05)?;
+    let root = character.skeleton.roots().first().map_or(glam::Vec2::ZERO, |j| character.skeleton.joints[*j].at);
+    let size = glam::vec2(canvas.size.0 as f32, canvas.size.1 as f32);
+    let draw = |frame: usize| Ok(drawing.draw(&take.frames[frame], &canvas, options.background));
+    let animation = Animation {
+        name,
+        frames: take.frames.len(),
+        fps: take.fps,
+        size: canvas.size,
+        pivot: (canvas.place(root) / size).to_array(),
+        draw: &draw,
+    };
+    let files = animation::write(path, format, &animation, stage.part(0.05, 1.0))?;
+    Ok(TakeFiles { files, shown: canvas.shown(), frames: take.frames.len() })
+}
+
+/// Whether a character, its picture and a take belong together.
+fn check(subject: TakeSubject<'_>) -> Result<()> {
+    let TakeSubject { character, picture, take, .. } = subject;
+    if picture.dimensions() != character.size {
+        let ((w, h), (width, height)) = (picture.dimensions(), character.size);
+        let problem = format!("is {w}x{h} pixels and the character's was {width}x{height}");
+        return Err(Error::invalid("picture", problem, "give the picture that the character was made from"));
+    }
+    if take.frames.is_empty() {
+        return Err(Error::invalid("take", "has no frames", "give at least one"));
+    }
+    for (f, frame) in take.frames.iter().enumerate() {
+        let what = || format!("frame {f} of the take");
+        let (vertices, of_mesh) = (frame.points.len(), character.mesh.points.len());
+        if vertices != of_mesh {
+            let problem = format!("has {vertices} vertices and the character {of_mesh}");
+            return Err(Error::invalid(what(), problem, "give a take of this character"));
+        }
+        let bones = character.skeleton.bones.len();
+        if !frame.depths.is_empty() && frame.depths.len() != bones {
+            let problem = format!("has {} depths and the character {bones} bones", frame.depths.len());
+            return Err(Error::invalid(what(), problem, "give a take of this character"));
+        }
+        if let Some(v) = frame.points.iter().position(|p| !p.is_finite()) {
+            return Err(Error::invalid(what(), format!("has vertex {v} at no number"), "give finite places"));
+        }
+    }
+    Ok(())
 }

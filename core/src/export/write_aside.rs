@@ -1,30 +1,103 @@
 //! Single files, written aside and renamed: a reader sees the old file or the new one, never half of one.
 
-use std::path::Path;
+use std::fs::File;
+use std::io::{BufWriter, Read, Seek, SeekFrom, Write};
+use std::path::{Path, PathBuf};
+
+use tempfile::TempDir;
 
 use crate::error::{Error, Result};
 
 /// Writes `bytes` to `path`, whole or not at all. The folder it lies in must exist.
 pub fn write_aside(path: impl AsRef<Path>, bytes: &[u8]) -> Result<()> {
-    let path = path.as_ref();
-    if path.is_dir() {
-        return Err(Error::file(path, "is a folder", "give the name of a file"));
+    let mut file = Aside::begin(path)?;
+    file.write(bytes)?;
+    file.commit().map(drop)
+}
+
+/// A file in the making. Dropped without [`Self::commit`] it leaves no trace.
+#[derive(Debug)]
+pub(super) struct Aside {
+    target: PathBuf,
+    /// Inside a private folder of our own the file gets the permissions that any new file would get there. Removed with all
+    /// that is left in it on drop.
+    folder: TempDir,
+    staged: PathBuf,
+    file: BufWriter<File>,
+    length: u64,
+}
+
+impl Aside {
+    /// A new file that will be `path`. The folder it lies in must exist.
+    pub(super) fn begin(path: impl AsRef<Path>) -> Result<Self> {
+        let path = path.as_ref();
+        if path.is_dir() {
+            return Err(Error::file(path, "is a folder", "give the name of a file"));
+        }
+        let Some(name) = path.file_name() else {
+            return Err(Error::file(path, "names no file", "give the name of a file"));
+        };
+        let folder = match path.parent() {
+            Some(parent) if !parent.as_os_str().is_empty() => parent,
+            _ => Path::new("."),
+        };
+        if !folder.is_dir() {
+            return Err(Error::file(folder, "is no folder to write into", "create it first or write elsewhere"));
+        }
+        let aside = super::folder::private_folder_in(folder)?;
+        let staged = aside.path().join(name);
+        let mut options = File::options();
+        let file = options.read(true).write(true).create_new(true).open(&staged);
+        let file = BufWriter::new(file.map_err(|e| Error::io(path, "write", e))?);
+        Ok(Self { target: path.to_owned(), folder: aside, staged, file, length: 0 })
     }
-    let Some(name) = path.file_name() else {
-        return Err(Error::file(path, "names no file", "give the name of a file"));
-    };
-    let folder = match path.parent() {
-        Some(parent) if !parent.as_os_str().is_empty() => parent,
-        _ => Path::new("."),
-    };
-    if !folder.is_dir() {
-        return Err(Error::file(folder, "is no folder to write into", "create it first or write elsewhere"));
+
+    /// Adds to its end.
+    pub(super) fn write(&mut self, bytes: &[u8]) -> Result<()> {
+        self.length += bytes.len() as u64;
+        self.file.write_all(bytes).map_err(|e| Error::io(&self.target, "write", e))
     }
-    // Inside a private folder of our own the file gets the permissions that any new file would get here.
-    let aside = super::folder::private_folder_in(folder)?;
-    let staged = aside.path().join(name);
-    std::fs::write(&staged, bytes).map_err(|e| Error::io(path, "write", e))?;
-    std::fs::rename(&staged, path).map_err(|e| Error::io(path, "write", e))
+
+    /// How much was written.
+    pub(super) fn length(&self) -> u64 {
+        self.length
+    }
+
+    /// Writes over what was written before.
+    pub(super) fn write_at(&mut self, place: u64, bytes: &[u8]) -> Result<()> {
+        let mut write = || {
+            self.file.seek(SeekFrom::Start(place))?;
+            self.file.write_all(bytes)?;
+            self.file.seek(SeekFrom::Start(self.length)).map(drop)
+        };
+        write().map_err(|e| Error::io(&self.target, "write", e))
+    }
+
+    /// Adds all that was written to another one.
+    #[cfg(feature = "h264")]
+    pub(super) fn append(&mut self, mut other: Self) -> Result<()> {
+        let mut write = || {
+            other.file.flush()?;
+            let from = other.file.get_mut();
+            from.seek(SeekFrom::Start(0))?;
+            std::io::copy(&mut from.take(other.length), &mut self.file)
+        };
+        self.length += write().map_err(|e| Error::io(&self.target, "write", e))?;
+        Ok(())
+    }
+
+    /// Puts it in its place, and says where that is.
+    pub(super) fn commit(self) -> Result<PathBuf> {
+        let Self { target, folder, staged, mut file, .. } = self;
+        let put = || {
+            file.flush()?;
+            drop(file);
+            std::fs::rename(&staged, &target)
+        };
+        put().map_err(|e| Error::io(&target, "write", e))?;
+        drop(folder);
+        Ok(target)
+    }
 }
 
 #[cfg(test)]

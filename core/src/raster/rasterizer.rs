@@ -1,9 +1,7 @@
 //! A z-buffer rasterizer: textured, shaded triangle meshes to colour, depth and identity.
 //!
-//! Coverage is decided in whole numbers (vertices snapped to 1/256 pixel, top-left rule), so that two triangles that
-//! share an edge cover every pixel along it exactly once and results are the same on every machine. Method: edge
-//! functions, Pineda, "A Parallel Algorithm for Polygon Rasterization", 1988; attributes are divided by w, so that a
-//! perspective view is textured rightly.
+//! Every pixel along a shared edge is covered exactly once ([`Cover`]); attributes are divided by w, so that a perspective
+//! view is textured rightly.
 //!
 //! Limits: nothing is clipped against a near plane (a triangle with a corner behind the eye is left out); textures are
 //! sampled without minification filter.
@@ -12,12 +10,9 @@ use glam::{Mat4, Vec2, Vec3, Vec4, vec3};
 use image::{RgbImage, RgbaImage};
 
 use super::Grid;
+use super::cover::Cover;
 use crate::geometry::TriMesh;
 
-/// Sub-pixel steps of snapped vertices.
-const SNAP: f32 = 256.0;
-/// Places farther from the picture than this many pixels are not drawn: products of snapped places stay exact.
-const FAR_OUTSIDE: f32 = 1e6;
 /// Share of light that falls on a face turned away from the lamp.
 const AMBIENT: f32 = 0.55;
 /// Where the lamp is, as the viewer sees it: over the left shoulder.
@@ -96,63 +91,23 @@ impl Rasterizer {
         }
         let w = corner.map(|c| 1.0 / c.w);
         let at = [0, 1, 2].map(|i| corner[i].truncate() * w[i]);
-        if at.iter().any(|p| p.x.abs() > FAR_OUTSIDE || p.y.abs() > FAR_OUTSIDE) {
-            return;
-        }
-        let snap = |v: f32| (v * SNAP).round() as i64;
-        let mut p = at.map(|p| [snap(p.x), snap(p.y)]);
-        let mut order = [0, 1, 2];
-        let edge =
-            |a: [i64; 2], b: [i64; 2], c: [i64; 2]| (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
-        let mut area = edge(p[0], p[1], p[2]);
-        if area == 0 {
-            return;
-        }
-        if area < 0 {
-            p.swap(1, 2);
-            order.swap(1, 2);
-            area = -area;
-        }
-        let (width, height) = (self.depth.width() as i64, self.depth.height() as i64);
-        let snap_step = SNAP as i64;
-        let bound = |axis: usize, size: i64| {
-            let least = p.iter().map(|q| q[axis]).min().unwrap_or(0);
-            let most = p.iter().map(|q| q[axis]).max().unwrap_or(0);
-            (least.div_euclid(snap_step).max(0), (most.div_euclid(snap_step) + 1).min(size))
-        };
-        let ((x0, x1), (y0, y1)) = (bound(0, width), bound(1, height));
-        // Pixels on a left or top edge belong to the triangle, those on the others to its neighbour.
-        let bias = [0, 1, 2].map(|i| {
-            let (a, b) = (p[(i + 1) % 3], p[(i + 2) % 3]);
-            let top_left = b[1] < a[1] || (b[1] == a[1] && b[0] > a[0]);
-            if top_left { 0 } else { -1 }
-        });
+        let (width, height) = (self.depth.width(), self.depth.height());
+        let Some(cover) = Cover::new(at.map(Vec3::truncate), width, 0..height) else { return };
+        let order = cover.order;
         let z = order.map(|i| at[i].z);
         let weighted = order.map(|i| attribute[i] * w[i]);
         let inverse = order.map(|i| w[i]);
-        let scale = 1.0 / area as f32;
-        // The edge functions are linear: a step to the right or down adds the same whole number everywhere.
-        let corner = [x0 * snap_step + snap_step / 2, y0 * snap_step + snap_step / 2];
-        let pairs = [(1, 2), (2, 0), (0, 1)];
-        let mut line_start = pairs.map(|(a, b)| edge(p[a], p[b], corner));
-        let right = pairs.map(|(a, b)| (p[a][1] - p[b][1]) * snap_step);
-        let down = pairs.map(|(a, b)| (p[b][0] - p[a][0]) * snap_step);
-        for y in y0..y1 {
-            let mut next = line_start;
-            for i in 0..3 {
-                line_start[i] += down[i];
-            }
-            for x in x0..x1 {
+        let scale = 1.0 / cover.area as f32;
+        for line in cover.rows() {
+            let span = cover.span(line);
+            let mut next = cover.edges(span.start, line);
+            for column in span {
                 let e = next;
                 for i in 0..3 {
-                    next[i] += right[i];
-                }
-                if (e[0] + bias[0]) | (e[1] + bias[1]) | (e[2] + bias[2]) < 0 {
-                    continue;
+                    next[i] += cover.right[i];
                 }
                 let share = [e[0] as f32 * scale, e[1] as f32 * scale, e[2] as f32 * scale];
                 let depth = z[0] + (z[1] - z[0]) * share[1] + (z[2] - z[0]) * share[2];
-                let (column, line) = (x as usize, y as usize);
                 if depth <= self.depth.get(column, line) {
                     continue;
                 }
@@ -171,7 +126,11 @@ impl Rasterizer {
                 };
                 // The cast cuts off at both ends.
                 let rgb = rgb + 0.5;
-                self.color.put_pixel(x as u32, y as u32, image::Rgba([rgb.x as u8, rgb.y as u8, rgb.z as u8, 255]));
+                self.color.put_pixel(
+                    column as u32,
+                    line as u32,
+                    image::Rgba([rgb.x as u8, rgb.y as u8, rgb.z as u8, 255]),
+                );
             }
         }
     }

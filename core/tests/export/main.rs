@@ -1,5 +1,6 @@
 //! What leaves the engine, read back by somebody else, and the whole job that makes it.
 
+mod animations;
 mod folder;
 mod gltf;
 mod model;
@@ -7,3 +8,4 @@ mod obj;
 mod pictures;
 mod pipeline;
 mod scene;
+mod takes;

@@ -4,13 +4,18 @@
 //! it. What differs by more than a threshold between the two kinds (Otsu 1979) is ink; gaps up to a share of the
 //! diagonal are closed, and what paper cannot be reached from outside belongs to the drawing.
 //!
-//! Known limits: a drawing that runs into the border on most sides, or a background of many colours, needs a mask.
+//! The cut-out's rim is unmixed: a rim pixel is paper and the strongest ink beside it in shares, of which ink stays. Under
+//! what is clear lie the colours of the rim (push and pull), so that no reader between the pixels finds paper or black.
+//!
+//! Known limits: a drawing that runs into the border on most sides, or a background of many colours, needs a mask. Where a
+//! drawing has no outline and is coloured like the paper, its rim is as coarse as the pixels.
 
+use glam::{Vec2, Vec3};
 use image::RgbaImage;
 
 use crate::error::{Error, Result};
 use crate::raster::distance::{NO_SITE, nearest_site};
-use crate::raster::{Grid, Mask};
+use crate::raster::{Grid, Mask, Wrap, push_pull};
 
 /// Gaps in the drawing's lines are closed up to twice this share of the diagonal.
 const GAP: f32 = 0.006;
@@ -19,6 +24,12 @@ const GAP: f32 = 0.006;
 const NOISE: f32 = 0.06;
 /// Pieces smaller than this share of the largest are dust.
 const DUST: f64 = 0.002;
+/// Ink that shares a rim pixel with paper lies at most so many pixels away: scanners and cameras blur over two.
+const RIM: isize = 2;
+/// Of a pixel with less ink than this, what is left after taking the paper off is noise: the ink beside it is taken.
+const UNMIXED: f32 = 0.4;
+/// Colours that are less opaque than this, of 255, are too coarse to spread.
+const SPREADS: u8 = 64;
 
 /// How opaque each pixel of the drawing is, in 0..=1.
 ///
@@ -26,30 +37,152 @@ const DUST: f64 = 0.002;
 /// An empty picture, one with nothing on it, and one that is filled from border to border.
 pub(super) fn opacity(picture: &RgbaImage) -> Result<Grid<f32>> {
     let (width, height) = (picture.width() as usize, picture.height() as usize);
-    if width == 0 || height == 0 {
+    Ok(match found(picture)? {
+        Found::Alpha => Grid::from_vec(width, height, picture.pixels().map(|p| f32::from(p.0[3]) / 255.0).collect()),
+        Found::OnPaper(drawn, _) => {
+            let on = |i: usize| f32::from(u8::from(drawn.get(i % width, i / width)));
+            Grid::from_vec(width, height, (0..width * height).map(on).collect())
+        }
+    })
+}
+
+/// Where a drawing is on its picture.
+enum Found {
+    /// Where the picture is opaque.
+    Alpha,
+    /// Where it differs from the paper.
+    OnPaper(Mask, Paper),
+}
+
+fn found(picture: &RgbaImage) -> Result<Found> {
+    let pixels = picture.width() as usize * picture.height() as usize;
+    if pixels == 0 {
         return Err(Error::invalid("picture", "has no pixels", "give a drawing"));
     }
-    let alpha = Grid::from_vec(width, height, picture.pixels().map(|p| f32::from(p.0[3]) / 255.0).collect());
-    let clear = alpha.data().iter().filter(|a| **a < 0.5).count();
-    if clear == width * height {
+    let clear = picture.pixels().filter(|p| p.0[3] < 128).count();
+    if clear == pixels {
         return Err(Error::invalid("picture", "is fully transparent", "give a drawing that can be seen"));
     }
     if clear > 0 {
-        return Ok(alpha);
+        return Ok(Found::Alpha);
     }
-    let drawn = apart_from_paper(picture);
+    let (drawn, paper) = apart_from_paper(picture);
     if drawn.count() == 0 {
         return Err(Error::invalid("picture", "is all of one colour", "give a drawing, or one with transparency"));
     }
-    if drawn.count() > width * height * 97 / 100 {
+    if drawn.count() > pixels * 97 / 100 {
         let remedy = "cut the drawing out: make what lies around it transparent";
         return Err(Error::invalid("picture", "is opaque and no background shows around a drawing", remedy));
     }
-    Ok(Grid::from_vec(
+    Ok(Found::OnPaper(drawn, paper))
+}
+
+/// The drawing cut out of its picture: straight alpha, with clean colours at the rim and under what is clear. A picture that
+/// is clear somewhere keeps its alpha, and its colours where it is not fully clear.
+///
+/// # Errors
+/// As for [`super::Character::from_picture`]: an empty picture, one with nothing on it, one filled from border to border.
+pub fn cut_out(picture: &RgbaImage) -> Result<RgbaImage> {
+    let mut out = picture.clone();
+    if let Found::OnPaper(drawn, paper) = found(picture)? {
+        unmix(&mut out, picture, &drawn, &paper);
+    }
+    spread(&mut out);
+    Ok(out)
+}
+
+/// Sets the alpha of a drawing on paper, and takes the paper out of its rim.
+fn unmix(out: &mut RgbaImage, picture: &RgbaImage, drawn: &Mask, paper: &Paper) {
+    let (width, height) = (drawn.width(), drawn.height());
+    let opacity = Grid::from_vec(
         width,
         height,
         (0..width * height).map(|i| f32::from(u8::from(drawn.get(i % width, i / width)))).collect(),
-    ))
+    );
+    let mut kept = pieces(&opacity);
+    let colour = |x: isize, y: isize| {
+        let p = picture.get_pixel(x as u32, y as u32).0;
+        Vec3::new(f32::from(p[0]), f32::from(p[1]), f32::from(p[2])) / 255.0
+    };
+    open(&mut kept, |x, y| paper.strength(x, y, colour(x as isize, y as isize)) <= NOISE);
+    let inside = |x: isize, y: isize| kept.at(x, y);
+    let in_picture = |x: isize, y: isize| x >= 0 && y >= 0 && (x as usize) < width && (y as usize) < height;
+    let around = || (-RIM..=RIM).flat_map(|dy| (-RIM..=RIM).map(move |dx| (dx, dy)));
+    for (px, py, pixel) in out.enumerate_pixels_mut() {
+        let (x, y) = (px as isize, py as isize);
+        let own = inside(x, y);
+        pixel.0[3] = if own { 255 } else { 0 };
+        // A drawing that runs out of the picture has no rim there.
+        let beside = |dx: isize, dy: isize| dx.abs() <= 1 && dy.abs() <= 1;
+        let outside = |(dx, dy)| beside(dx, dy) && in_picture(x + dx, y + dy) && !inside(x + dx, y + dy);
+        if own && !around().any(outside) {
+            continue;
+        }
+        let strength = |c: Vec3| paper.strength(px as usize, py as usize, c);
+        let of_drawing = || around().filter(|&(dx, dy)| inside(x + dx, y + dy));
+        let (inward_x, inward_y) = of_drawing().fold((0, 0), |sum, (dx, dy)| (sum.0 + dx, sum.1 + dy));
+        let inward = Vec2::new(inward_x as f32, inward_y as f32).normalize_or_zero();
+        let strongest = |found: &dyn Fn(f32) -> bool| {
+            let ways =
+                of_drawing().filter(|&(dx, dy)| found(Vec2::new(dx as f32, dy as f32).normalize_or_zero().dot(inward)));
+            ways.map(|(dx, dy)| colour(x + dx, y + dy)).max_by(|a, b| strength(*a).total_cmp(&strength(*b)))
+        };
+        let mixed = colour(x, y);
+        let Some(ink) = strongest(&|way| way > 0.0).filter(|ink| strength(*ink) > strength(mixed).max(NOISE)) else {
+            continue;
+        };
+        // On the inner side of a line the drawing goes on, paler.
+        if own && strongest(&|way| way < -0.7).is_some_and(|c| strength(c) > strength(mixed)) {
+            continue;
+        }
+        let (ground, faint) = (paper.colour(px as usize, py as usize), !own && strength(mixed) <= NOISE);
+        let way = ink - ground;
+        let share = ((mixed - ground).dot(way) / way.length_squared()).clamp(0.0, 1.0);
+        let share = if faint { 0.0 } else { share };
+        let clean = if share >= UNMIXED { (mixed - ground * (1.0 - share)) / share } else { ink };
+        let rgb = clean.clamp(Vec3::ZERO, Vec3::ONE) * 255.0 + 0.5;
+        pixel.0 = [rgb.x as u8, rgb.y as u8, rgb.z as u8, (share * 255.0 + 0.5) as u8];
+    }
+}
+
+/// Takes the paper that closing the lines' gaps has added out again, as far as it reaches in from outside.
+fn open(drawn: &mut Mask, is_paper: impl Fn(usize, usize) -> bool) {
+    let (width, height) = (drawn.width(), drawn.height());
+    let steps = 2 * closing(width, height).ceil() as usize;
+    let every = (0..width * height).map(|i| (i % width, i / width));
+    let mut edge: Vec<(usize, usize)> = every.filter(|&(x, y)| !drawn.get(x, y)).collect();
+    for _ in 0..steps {
+        let mut next = Vec::new();
+        for (x, y) in edge {
+            for (dx, dy) in [(1, 0), (-1, 0), (0, 1), (0, -1)] {
+                let (nx, ny) = (x.wrapping_add_signed(dx), y.wrapping_add_signed(dy));
+                if nx < width && ny < height && drawn.get(nx, ny) && is_paper(nx, ny) {
+                    drawn.set(nx, ny, false);
+                    next.push((nx, ny));
+                }
+            }
+        }
+        edge = next;
+    }
+}
+
+/// How far lines are thickened to close their gaps, in pixels.
+fn closing(width: usize, height: usize) -> f32 {
+    (GAP * ((width * width + height * height) as f32).sqrt()).max(1.0)
+}
+
+/// Puts the colours of what can be seen under what is clear.
+fn spread(picture: &mut RgbaImage) {
+    let (width, height) = (picture.width() as usize, picture.height() as usize);
+    let known = Grid::from_vec(width, height, picture.pixels().map(|p| p.0[3] >= SPREADS).collect());
+    let mut colours: Vec<[f32; 3]> = picture.pixels().map(|p| [p.0[0], p.0[1], p.0[2]].map(f32::from)).collect();
+    push_pull(&mut colours, &known, Wrap::default(), [0.0; 3]);
+    for (pixel, c) in picture.pixels_mut().zip(colours) {
+        if pixel.0[3] == 0 {
+            let [r, g, b] = c.map(|v| (v + 0.5) as u8);
+            pixel.0 = [r, g, b, 0];
+        }
+    }
 }
 
 /// The mask of all pieces that are not dust, given the opacity.
@@ -63,7 +196,7 @@ pub(super) fn pieces(opacity: &Grid<f32>) -> Mask {
     })
 }
 
-fn apart_from_paper(picture: &RgbaImage) -> Mask {
+fn apart_from_paper(picture: &RgbaImage) -> (Mask, Paper) {
     let (width, height) = (picture.width() as usize, picture.height() as usize);
     let colour = |x: usize, y: usize| picture.get_pixel(x as u32, y as u32).0.map(|c| f32::from(c) / 255.0);
     let rim: Vec<(usize, usize)> = (0..width)
@@ -78,7 +211,7 @@ fn apart_from_paper(picture: &RgbaImage) -> Mask {
     );
     let threshold = otsu(apart.data()).max(NOISE);
     let ink = Mask::from_fn(width, height, |x, y| apart.get(x, y) > threshold);
-    let reach = (GAP * ((width * width + height * height) as f32).sqrt()).max(1.0);
+    let reach = closing(width, height);
     let thick = grown(&ink, reach);
     // Paper that is reached from the border past the thickened ink is outside.
     let mut outside = Mask::new(width, height);
@@ -94,7 +227,7 @@ fn apart_from_paper(picture: &RgbaImage) -> Mask {
         }
     }
     let outside = grown(&outside, reach);
-    Mask::from_fn(width, height, |x, y| ink.get(x, y) || !outside.get(x, y))
+    (Mask::from_fn(width, height, |x, y| ink.get(x, y) || !outside.get(x, y)), paper)
 }
 
 /// The mask with everything within `reach` pixels of it.
@@ -175,13 +308,18 @@ impl Paper {
         [1.0, x as f32 / self.size[0] - 0.5, y as f32 / self.size[1] - 0.5]
     }
 
-    fn distance(&self, x: usize, y: usize, colour: [f32; 4]) -> f32 {
-        let place = self.place(x, y);
-        let gap = |channel: usize| {
-            let wished: f32 = self.channels[channel].iter().zip(place).map(|(c, p)| c * p).sum();
-            (colour[channel] - wished).abs()
-        };
-        gap(0).max(gap(1)).max(gap(2))
+    fn colour(&self, x: usize, y: usize) -> Vec3 {
+        let place = Vec3::from(self.place(x, y));
+        Vec3::from(self.channels.map(|c| Vec3::from(c).dot(place)))
+    }
+
+    fn distance(&self, x: usize, y: usize, [r, g, b, _]: [f32; 4]) -> f32 {
+        self.strength(x, y, Vec3::new(r, g, b))
+    }
+
+    /// How far a colour is from the paper there, in the channel where it is farthest.
+    fn strength(&self, x: usize, y: usize, colour: Vec3) -> f32 {
+        (colour - self.colour(x, y)).abs().max_element()
     }
 }
 

@@ -6,6 +6,7 @@
 
 mod curve_skeleton;
 mod cutout;
+mod draw;
 mod in_between;
 mod overlap;
 mod poses;
@@ -21,6 +22,8 @@ use glam::Vec2;
 use image::RgbaImage;
 
 pub use crate::deform::{Regions, VertexClass};
+pub use cutout::cut_out;
+pub use draw::{Canvas, Drawing};
 pub use in_between::{Animation, Poser};
 pub use overlap::Overlap;
 pub use poses::{Easing, KeyPose, Poses};

@@ -17,7 +17,8 @@ pub struct TakeFrame {
     pub points: Vec<Vec2>,
     /// Where each joint is, in the skeleton's order.
     pub joints: Vec<Vec2>,
-    /// How near each bone's region is to the viewer; larger is nearer. Regions of one depth are drawn in the mesh's order.
+    /// How near each bone's region is to the viewer; larger is nearer. Of regions at one depth the later
+    /// bone's is drawn over the earlier one's.
     pub depths: Vec<i32>,
 }
 
@@ -92,15 +93,19 @@ fn room(frames: usize, vertices: usize) -> Result<usize> {
 }
 
 impl Character {
-    /// The mesh's triangles from the farthest to the nearest, for bones of these depths: by the mean depth of a
-    /// triangle's corners, and in the mesh's order where that is equal.
+    /// The mesh's triangles from the farthest to the nearest, for bones of these depths: by the mean depth of a triangle's
+    /// corners; where that is equal, by the last of the bones that its corners follow, so that limbs which cross lie over
+    /// each other as a whole; and then in the mesh's order.
     pub fn draw_order(&self, depths: &[i32]) -> Vec<u32> {
-        let depth = |v: &u32| self.regions.bone.get(*v as usize).and_then(|b| depths.get(*b as usize));
-        let nearness = |t: &u32| -> i64 {
-            self.mesh.triangles[*t as usize].iter().map(|v| depth(v).copied().map_or(0, i64::from)).sum()
-        };
         let mut order: Vec<u32> = (0..self.mesh.triangles.len() as u32).collect();
-        order.sort_by_key(nearness);
+        order.sort_by_cached_key(|t| self.nearness(*t, depths));
         order
+    }
+
+    /// How near a triangle is: the sum of the depths of its corners, and the last of their bones.
+    pub(super) fn nearness(&self, triangle: u32, depths: &[i32]) -> (i64, u32) {
+        let bones = self.mesh.triangles[triangle as usize].map(|v| self.regions.bone.get(v as usize).copied());
+        let depth = |b: &u32| depths.get(*b as usize).copied().map_or(0, i64::from);
+        (bones.iter().flatten().map(depth).sum(), bones.into_iter().flatten().max().unwrap_or(0))
     }
 }
