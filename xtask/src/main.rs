@@ -9,6 +9,7 @@ mod first_host;
 mod header;
 mod library;
 mod measure;
+mod players;
 mod reference;
 mod sample;
 mod shell;
@@ -38,6 +39,8 @@ cargo xtask COMMAND
   retrack DATA ...   what a corrected stroke costs, on the same folder (release build)
   alternatives DATA ...
                      built-in trackers and segmenters beside the plugins that ship (release build)
+  players [DATA]     takes of characters in three.js, lottie-web, the DragonBones runtime and a reader of Spine's JSON
+                     (fetches them and a browser)
   validate GLB ...   the Khronos glTF validator on files
 ";
 
@@ -62,6 +65,7 @@ fn main() -> Result<()> {
         "soak" => watched::long(rest),
         "c-host" => c_host::run(rest),
         "cancels" => cancels::run(),
+        "players" => players::run(rest),
         "validate" => validator::run(rest),
         "help" | "--help" | "-h" => {
             shell::say(HELP);

@@ -25,9 +25,24 @@ const NEEDED: [Needed; 11] = [
     Needed { program: "npm", package: "npm", why: "fetches the Khronos glTF validator, which runs on node" },
 ];
 
+/// The browser that plays exports; large, so only who asks for players gets it.
+pub(crate) const BROWSER: &str = "chromium";
+
 /// Makes sure that every needed program is there: with apt-get as root, else by naming the packages.
 pub(crate) fn ensure() -> Result<()> {
-    let missing: Vec<&Needed> = NEEDED.iter().filter(|n| !has(n.program)).collect();
+    ensure_all(&NEEDED)
+}
+
+/// The same for what plays exports.
+pub(crate) fn ensure_browser() -> Result<()> {
+    ensure_all(&[
+        Needed { program: BROWSER, package: "chromium", why: "plays glTF and Lottie" },
+        Needed { program: "npm", package: "npm", why: "fetches players, which run on node" },
+    ])
+}
+
+fn ensure_all(needed: &[Needed]) -> Result<()> {
+    let missing: Vec<&Needed> = needed.iter().filter(|n| !has(n.program)).collect();
     if missing.is_empty() {
         return Ok(());
     }

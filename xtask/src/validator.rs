@@ -46,7 +46,7 @@ fn install() -> Result<PathBuf> {
     Ok(script)
 }
 
-fn validate(file: &Path) -> Result<()> {
+pub(crate) fn validate(file: &Path) -> Result<()> {
     let said = shell::read(program("node").arg(install()?).arg(std::path::absolute(file)?))?;
     ensure!(said.starts_with("0 0\n"), "{}: the glTF validator says (errors, warnings):\n{said}", file.display());
     say(&format!("{}: 0 errors, 0 warnings in the glTF validator", file.display()));

@@ -13,6 +13,7 @@ mod palette;
 mod png;
 mod preview;
 pub mod report;
+pub mod scene;
 pub mod take;
 mod write_aside;
 

@@ -1,4 +1,4 @@
-//! Pictures as PNG bytes, fast rather than smallest.
+//! Pictures as PNG bytes: fast rather than smallest, but for those with alpha, which are textures and frames that travel.
 
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ExtendedColorType, ImageEncoder, RgbImage, RgbaImage};
@@ -8,24 +8,30 @@ use crate::raster::Mask;
 
 /// An sRGB picture.
 pub(super) fn encode_rgb(image: &RgbImage) -> Result<Vec<u8>> {
-    encode(image.as_raw(), image.dimensions(), ExtendedColorType::Rgb8, FilterType::Adaptive)
+    encode(image.as_raw(), image.dimensions(), ExtendedColorType::Rgb8, FilterType::Adaptive, CompressionType::Fast)
 }
 
 /// An sRGB picture with straight alpha.
 pub(super) fn encode_rgba(image: &RgbaImage) -> Result<Vec<u8>> {
-    encode(image.as_raw(), image.dimensions(), ExtendedColorType::Rgba8, FilterType::Adaptive)
+    encode(image.as_raw(), image.dimensions(), ExtendedColorType::Rgba8, FilterType::Adaptive, CompressionType::Default)
 }
 
 /// A mask as 8-bit grey, 0 or 255.
 pub fn encode_mask(mask: &Mask) -> Result<Vec<u8>> {
     let image = mask.to_image();
-    encode(image.as_raw(), image.dimensions(), ExtendedColorType::L8, FilterType::NoFilter)
+    encode(image.as_raw(), image.dimensions(), ExtendedColorType::L8, FilterType::NoFilter, CompressionType::Fast)
 }
 
-fn encode(pixels: &[u8], (width, height): (u32, u32), color: ExtendedColorType, filter: FilterType) -> Result<Vec<u8>> {
+fn encode(
+    pixels: &[u8],
+    (width, height): (u32, u32),
+    color: ExtendedColorType,
+    filter: FilterType,
+    compression: CompressionType,
+) -> Result<Vec<u8>> {
     let mut bytes = Vec::new();
-    PngEncoder::new_with_quality(&mut bytes, CompressionType::Fast, filter)
-        .write_image(pixels, width, height, color)
-        .map_err(|e| Error::invalid(format!("a picture of {width}x{height}"), e.to_string(), "expected pixels to write"))?;
+    PngEncoder::new_with_quality(&mut bytes, compression, filter).write_image(pixels, width, height, color).map_err(
+        |e| Error::invalid(format!("a picture of {width}x{height}"), e.to_string(), "expected pixels to write"),
+    )?;
     Ok(bytes)
 }

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use image::RgbaImage;
 
 use super::animation::{self, Animation, AnimationFormat};
+use super::scene::{character_gltf, dragonbones, lottie, spine};
 use crate::error::{Error, Result};
 use crate::job::Stage;
 use crate::shape::character::{Canvas, Character, Drawing, Take, cut_out};
@@ -124,26 +125,31 @@ pub fn write_take(
     stage: Stage<'_>,
 ) -> Result<TakeFiles> {
     let TakeSubject { name, character, picture, take } = subject;
-    check(subject)?;
-    let format = match format {
-        TakeFormat::PngFolder => AnimationFormat::PngFolder,
-        TakeFormat::SpriteSheet => AnimationFormat::SpriteSheet,
-        TakeFormat::Gif => AnimationFormat::Gif,
-        TakeFormat::Apng => AnimationFormat::Apng,
-        TakeFormat::WebP => AnimationFormat::WebP,
-        TakeFormat::Mp4 => AnimationFormat::Mp4,
-        TakeFormat::Glb | TakeFormat::Lottie | TakeFormat::Spine | TakeFormat::DragonBones => {
-            let problem = format!("{format:?} is not written");
-            return Err(Error::invalid(format!("{}", path.display()), problem, "choose another format"));
-        }
-    };
+    check(subject, options)?;
     stage.name("cutting out")?;
+    let cut = cut_out(picture)?;
+    let subject = TakeSubject { picture: &cut, ..subject };
+    let stage = stage.part(0.05, 1.0);
+    let pictures = match format {
+        TakeFormat::Glb => return character_gltf::write(path, subject, options, stage),
+        TakeFormat::Spine => return spine::write(path, subject, options, stage),
+        TakeFormat::DragonBones => return dragonbones::write(path, subject, options, stage),
+        TakeFormat::Lottie => None,
+        TakeFormat::PngFolder => Some(AnimationFormat::PngFolder),
+        TakeFormat::SpriteSheet => Some(AnimationFormat::SpriteSheet),
+        TakeFormat::Gif => Some(AnimationFormat::Gif),
+        TakeFormat::Apng => Some(AnimationFormat::Apng),
+        TakeFormat::WebP => Some(AnimationFormat::WebP),
+        TakeFormat::Mp4 => Some(AnimationFormat::Mp4),
+    };
     let canvas = Canvas::new(character, take, options.scale, options.grow)?;
-    let drawing = Drawing::new(character, &cut_out(picture)?, options.scale)?;
-    stage.at(0.05)?;
+    let drawing = Drawing::new(character, &cut, options.scale)?;
+    let draw = |frame: usize| Ok(drawing.draw(&take.frames[frame], &canvas, options.background));
+    let Some(format) = pictures else {
+        return lottie::write(path, subject, options, canvas.shown(), &mut { draw }, stage);
+    };
     let root = character.skeleton.roots().first().map_or(glam::Vec2::ZERO, |j| character.skeleton.joints[*j].at);
     let size = glam::vec2(canvas.size.0 as f32, canvas.size.1 as f32);
-    let draw = |frame: usize| Ok(drawing.draw(&take.frames[frame], &canvas, options.background));
     let animation = Animation {
         name,
         frames: take.frames.len(),
@@ -152,12 +158,12 @@ pub fn write_take(
         pivot: (canvas.place(root) / size).to_array(),
         draw: &draw,
     };
-    let files = animation::write(path, format, &animation, stage.part(0.05, 1.0))?;
+    let files = animation::write(path, format, &animation, stage)?;
     Ok(TakeFiles { files, shown: canvas.shown(), frames: take.frames.len() })
 }
 
-/// Whether a character, its picture and a take belong together.
-fn check(subject: TakeSubject<'_>) -> Result<()> {
+/// Whether a character, its picture and a take belong together and can be written.
+pub(super) fn check(subject: TakeSubject<'_>, options: &TakeOptions) -> Result<()> {
     let TakeSubject { character, picture, take, .. } = subject;
     if picture.dimensions() != character.size {
         let ((w, h), (width, height)) = (picture.dimensions(), character.size);
@@ -165,22 +171,28 @@ fn check(subject: TakeSubject<'_>) -> Result<()> {
         return Err(Error::invalid("picture", problem, "give the picture that the character was made from"));
     }
     if take.frames.is_empty() {
-        return Err(Error::invalid("take", "has no frames", "give at least one"));
+        return Err(Error::invalid("take", "has no frames", "add a key pose, or take a longer motion"));
     }
+    if !(take.fps.is_finite() && take.fps > 0.0) {
+        return Err(Error::invalid("take", format!("has {} frames a second", take.fps), "give a rate above 0"));
+    }
+    if !(options.scale.is_finite() && options.scale > 0.0) {
+        return Err(Error::invalid("scale", format!("is {}", options.scale), "give a number above 0"));
+    }
+    let (vertices, joints) = (character.mesh.points.len(), character.skeleton.joints.len());
     for (f, frame) in take.frames.iter().enumerate() {
         let what = || format!("frame {f} of the take");
-        let (vertices, of_mesh) = (frame.points.len(), character.mesh.points.len());
-        if vertices != of_mesh {
-            let problem = format!("has {vertices} vertices and the character {of_mesh}");
+        let counts = [
+            ("vertices", frame.points.len(), vertices),
+            ("joints", frame.joints.len(), joints),
+            ("depths", frame.depths.len(), character.skeleton.bones.len()),
+        ];
+        if let Some((of, own, wanted)) = counts.into_iter().find(|(_, own, wanted)| own != wanted) {
+            let problem = format!("has {own} {of} and the character needs {wanted}");
             return Err(Error::invalid(what(), problem, "give a take of this character"));
         }
-        let bones = character.skeleton.bones.len();
-        if !frame.depths.is_empty() && frame.depths.len() != bones {
-            let problem = format!("has {} depths and the character {bones} bones", frame.depths.len());
-            return Err(Error::invalid(what(), problem, "give a take of this character"));
-        }
-        if let Some(v) = frame.points.iter().position(|p| !p.is_finite()) {
-            return Err(Error::invalid(what(), format!("has vertex {v} at no number"), "give finite places"));
+        if frame.points.iter().chain(&frame.joints).any(|p| !p.is_finite()) {
+            return Err(Error::invalid(what(), "has a place that is not a number", "check the motion"));
         }
     }
     Ok(())

@@ -15,6 +15,50 @@ pub fn write_aside(path: impl AsRef<Path>, bytes: &[u8]) -> Result<()> {
     file.commit().map(drop)
 }
 
+/// Writes files that belong together into one folder, all or none of them. The folder must exist.
+pub(super) fn write_all_aside<B: AsRef<[u8]>>(files: &[(PathBuf, B)]) -> Result<()> {
+    let Some((first, _)) = files.first() else { return Ok(()) };
+    for (path, _) in files {
+        if path.is_dir() {
+            return Err(Error::file(path, "is a folder", "give the name of a file"));
+        }
+        if path.file_name().is_none() {
+            return Err(Error::file(path, "names no file", "give the name of a file"));
+        }
+    }
+    let folder = match first.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
+    };
+    if !folder.is_dir() {
+        return Err(Error::file(folder, "is no folder to write into", "create it first or write elsewhere"));
+    }
+    // Inside a private folder of our own the files get the permissions that any new file would get here.
+    let aside = super::folder::private_folder_in(folder)?;
+    let staged = |i: usize| aside.path().join(format!("new{i}"));
+    let old = |i: usize| aside.path().join(format!("old{i}"));
+    for (i, (path, bytes)) in files.iter().enumerate() {
+        std::fs::write(staged(i), bytes).map_err(|e| Error::io(path, "write", e))?;
+    }
+    for (i, (path, _)) in files.iter().enumerate() {
+        // A lone file is replaced in one step; of several the old ones are kept until all are there.
+        let replaced = if files.len() > 1 && path.exists() { std::fs::rename(path, old(i)) } else { Ok(()) };
+        if let Err(error) = replaced.and_then(|()| std::fs::rename(staged(i), path)) {
+            for (i, (path, _)) in files[..=i].iter().enumerate().rev() {
+                // Nothing better can be done where even the way back fails; the first error says why.
+                let _ = if old(i).exists() { std::fs::rename(old(i), path) } else { undo(path, &staged(i)) };
+            }
+            return Err(Error::io(path, "write", error));
+        }
+    }
+    Ok(())
+}
+
+/// Takes back a file that was not there before, unless it never came.
+fn undo(path: &Path, staged: &Path) -> std::io::Result<()> {
+    if staged.exists() { Ok(()) } else { std::fs::remove_file(path) }
+}
+
 /// A file in the making. Dropped without [`Self::commit`] it leaves no trace.
 #[derive(Debug)]
 pub(super) struct Aside {

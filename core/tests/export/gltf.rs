@@ -1,13 +1,10 @@
 //! creature.glb, read back by an independent reader and posed by the format's own rules.
 
-use std::collections::HashMap;
-
-use glam::{Mat4, Quat, Vec3};
-use gltf::animation::util::ReadOutputs;
 use marey::export::gltf::{GltfOptions, glb};
 use marey::job::Progress;
 use marey::shape::RiggedModel;
 
+use crate::gltf_reader::Reader;
 use crate::model::{add_island, animal};
 
 fn write(model: &RiggedModel, options: &GltfOptions) -> Vec<u8> {
@@ -18,109 +15,6 @@ fn scaled(scale: f32) -> GltfOptions {
     let mut options = GltfOptions::default();
     options.scale = scale;
     options
-}
-
-/// A key-framed channel: times and values.
-type Keys<T> = HashMap<usize, (Vec<f32>, Vec<T>)>;
-
-struct Reader {
-    document: gltf::Document,
-    blob: Vec<u8>,
-    rotations: Keys<Quat>,
-    translations: Keys<Vec3>,
-}
-
-impl Reader {
-    fn open(bytes: &[u8]) -> Self {
-        let gltf::Gltf { document, blob } = gltf::Gltf::from_slice(bytes).expect("readable");
-        let mut reader =
-            Self { document, blob: blob.expect("a buffer"), rotations: HashMap::new(), translations: HashMap::new() };
-        let document = reader.document.clone();
-        for channel in document.animations().flat_map(|a| a.channels().collect::<Vec<_>>()) {
-            let data = channel.reader(|_| Some(&reader.blob));
-            let times: Vec<f32> = data.read_inputs().expect("times").collect();
-            let node = channel.target().node().index();
-            match data.read_outputs().expect("values") {
-                ReadOutputs::Rotations(values) => {
-                    let values: Vec<Quat> = values.into_f32().map(Quat::from_array).collect();
-                    assert_eq!(values.len(), times.len());
-                    reader.rotations.insert(node, (times, values));
-                }
-                ReadOutputs::Translations(values) => {
-                    let values: Vec<Vec3> = values.map(Vec3::from_array).collect();
-                    assert_eq!(values.len(), times.len());
-                    reader.translations.insert(node, (times, values));
-                }
-                _ => panic!("only rotations and translations are written"),
-            }
-        }
-        reader
-    }
-
-    fn world(&self, time: f32) -> HashMap<usize, Mat4> {
-        let mut world = HashMap::new();
-        let scene = self.document.default_scene().expect("a scene");
-        let mut waiting: Vec<(gltf::Node<'_>, Mat4)> = scene.nodes().map(|n| (n, Mat4::IDENTITY)).collect();
-        while let Some((node, above)) = waiting.pop() {
-            let (mut translation, mut rotation, scale) = {
-                let (t, r, s) = node.transform().decomposed();
-                (Vec3::from_array(t), Quat::from_array(r), Vec3::from_array(s))
-            };
-            if let Some((times, values)) = self.translations.get(&node.index()) {
-                let (i, share) = between(times, time);
-                translation = values[i].lerp(values[(i + 1).min(values.len() - 1)], share);
-            }
-            if let Some((times, values)) = self.rotations.get(&node.index()) {
-                let (i, share) = between(times, time);
-                // As the format says: spherical, along the shorter arc only because the signs agree.
-                let (a, b) = (values[i], values[(i + 1).min(values.len() - 1)]);
-                assert!(a.dot(b) >= 0.0, "neighbouring keys lie on one side");
-                rotation = a.slerp(b, share);
-            }
-            let matrix = above * Mat4::from_scale_rotation_translation(scale, rotation, translation);
-            world.insert(node.index(), matrix);
-            waiting.extend(node.children().map(|c| (c, matrix)));
-        }
-        world
-    }
-
-    /// Positions of every mesh at `time`, by name.
-    fn pose(&self, time: f32) -> HashMap<String, Vec<Vec3>> {
-        let world = self.world(time);
-        let mut posed = HashMap::new();
-        for node in self.document.nodes() {
-            let (Some(mesh), Some(skin)) = (node.mesh(), node.skin()) else { continue };
-            let inverse: Vec<Mat4> = skin
-                .reader(|_| Some(&self.blob))
-                .read_inverse_bind_matrices()
-                .expect("matrices")
-                .map(|m| Mat4::from_cols_array_2d(&m))
-                .collect();
-            let skin: Vec<Mat4> = skin.joints().zip(inverse).map(|(j, m)| world[&j.index()] * m).collect();
-            let primitive = mesh.primitives().next().expect("a primitive");
-            let data = primitive.reader(|_| Some(&self.blob));
-            let positions: Vec<Vec3> = data.read_positions().expect("positions").map(Vec3::from_array).collect();
-            let joints = data.read_joints(0).expect("joints").into_u16();
-            let weights = data.read_weights(0).expect("weights").into_f32();
-            let indices: Vec<u32> = data.read_indices().expect("indices").into_u32().collect();
-            assert!(indices.iter().all(|&i| (i as usize) < positions.len()));
-            let moved = positions.iter().zip(joints.zip(weights)).map(|(p, (joints, weights))| {
-                let sum: f32 = weights.iter().sum();
-                assert!((sum - 1.0).abs() <= 1e-6);
-                joints.iter().zip(weights).map(|(j, w)| skin[usize::from(*j)].transform_point3(*p) * w).sum()
-            });
-            posed.insert(mesh.name().expect("a name").to_owned(), moved.collect());
-        }
-        posed
-    }
-}
-
-fn between(times: &[f32], time: f32) -> (usize, f32) {
-    let i = times.iter().rposition(|t| *t <= time).unwrap_or(0);
-    match times.get(i + 1) {
-        Some(next) => (i, ((time - times[i]) / (next - times[i])).clamp(0.0, 1.0)),
-        None => (i, 0.0),
-    }
 }
 
 #[test]

@@ -3,9 +3,11 @@
 mod animations;
 mod folder;
 mod gltf;
+mod gltf_reader;
 mod model;
 mod obj;
 mod pictures;
 mod pipeline;
 mod scene;
+mod take_scenes;
 mod takes;

@@ -45,7 +45,8 @@ pub(super) fn write(path: &Path, animation: &Animation<'_>, stage: Stage<'_>) ->
     }
     let failed = |e: openh264::Error| Error::invalid("an mp4", e.to_string(), "draw it smaller, or in another format");
     let config = EncoderConfig::new()
-        .rate_control_mode(RateControlMode::Quality)
+        // The only one that keeps to the quality, drops no frame and says nothing about it.
+        .rate_control_mode(RateControlMode::Bufferbased)
         .bitrate(BitRate::from_bps(BITS))
         .max_frame_rate(FrameRate::from_hz((animation.fps as f32).clamp(1.0, 60.0)))
         .usage_type(UsageType::CameraVideoRealTime)

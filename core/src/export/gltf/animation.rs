@@ -4,6 +4,8 @@
 //! quaternions are brought to one hemisphere first. A channel that never changes is one key, and none at all where it
 //! is what the bone's node says anyway.
 
+use std::collections::BTreeMap;
+
 use glam::{Quat, Vec3};
 use gltf_json::accessor::{Accessor, Type};
 use gltf_json::animation::{Animation, Channel, Interpolation, Property, Sampler, Target};
@@ -20,24 +22,20 @@ const SAME_TRANSLATION: f32 = 1e-5;
 
 /// Adds the model's animation; `nodes` are its bones' nodes.
 pub(super) fn add(root: &mut Root, buffer: &mut Buffer, model: &RiggedModel, scale: f32, nodes: &[Index<Node>]) {
-    let mut writer =
-        Writer { root, buffer, fps: model.fps, times: [None, None], channels: Vec::new(), samplers: Vec::new() };
+    let mut writer = Writer::new(root, buffer, model.fps);
     for (bone, &node) in nodes.iter().enumerate() {
         let rest = &model.rest[bone];
         let rotations = continuous(rest.rotation.normalize(), model.animation.iter().map(|f| f[bone].rotation));
         let near = |a: &[f32; 4], b: &[f32; 4]| a.iter().zip(b).all(|(a, b)| (a - b).abs() <= SAME_ROTATION);
-        writer.channel(node, Property::Rotation, Type::Vec4, &rotations, rest.rotation.normalize().to_array(), near);
+        writer.all(node, Property::Rotation, Type::Vec4, &rotations, rest.rotation.normalize().to_array(), near);
 
         let scaled = |t: Vec3| (t * scale).to_array();
         let translations: Vec<[f32; 3]> = model.animation.iter().map(|f| scaled(f[bone].translation)).collect();
         let near =
             move |a: &[f32; 3], b: &[f32; 3]| a.iter().zip(b).all(|(a, b)| (a - b).abs() <= SAME_TRANSLATION * scale);
-        writer.channel(node, Property::Translation, Type::Vec3, &translations, scaled(rest.translation), near);
+        writer.all(node, Property::Translation, Type::Vec3, &translations, scaled(rest.translation), near);
     }
-    let (channels, samplers) = (writer.channels, writer.samplers);
-    if !channels.is_empty() {
-        root.push(Animation { extensions: None, extras: None, channels, name: Some("motion".into()), samplers });
-    }
+    writer.finish("motion");
 }
 
 /// Unit quaternions, each on the side of the one before it, the first on that of `start`.
@@ -52,18 +50,32 @@ fn continuous(start: Quat, rotations: impl Iterator<Item = Quat>) -> Vec<[f32; 4
         .collect()
 }
 
-struct Writer<'a> {
-    root: &'a mut Root,
-    buffer: &'a mut Buffer,
+/// Channels in the making.
+pub(in crate::export) struct Writer<'a> {
+    pub(in crate::export) root: &'a mut Root,
+    pub(in crate::export) buffer: &'a mut Buffer,
     fps: f64,
-    /// The accessors of one key's time and of every frame's, once something needs them.
-    times: [Option<Index<Accessor>>; 2],
+    /// The accessors of keys' times, by their frames.
+    times: BTreeMap<Vec<usize>, Index<Accessor>>,
     channels: Vec<Channel>,
     samplers: Vec<Sampler>,
 }
 
-impl Writer<'_> {
-    fn channel<const N: usize>(
+impl<'a> Writer<'a> {
+    pub(in crate::export) fn new(root: &'a mut Root, buffer: &'a mut Buffer, fps: f64) -> Self {
+        Self { root, buffer, fps, times: BTreeMap::new(), channels: Vec::new(), samplers: Vec::new() }
+    }
+
+    /// Adds the animation, where it has channels.
+    pub(in crate::export) fn finish(self, name: &str) {
+        let (channels, samplers) = (self.channels, self.samplers);
+        if !channels.is_empty() {
+            self.root.push(Animation { extensions: None, extras: None, channels, name: Some(name.into()), samplers });
+        }
+    }
+
+    /// A channel with a key on every frame, unless nothing changes.
+    fn all<const N: usize>(
         &mut self,
         node: Index<Node>,
         property: Property,
@@ -77,25 +89,35 @@ impl Writer<'_> {
         if still && same(first, &at_rest) {
             return;
         }
-        let values = if still { &values[..1] } else { values };
-        let input = self.times(values.len());
+        let frames: Vec<usize> = (0..if still { 1 } else { values.len() }).collect();
+        self.keys(node, property, type_, &frames, &values[..frames.len()], still);
+    }
+
+    /// A channel with keys on `frames`; for weights `values` has as many for each as there are targets.
+    pub(in crate::export) fn keys<const N: usize>(
+        &mut self,
+        node: Index<Node>,
+        property: Property,
+        type_: Type,
+        frames: &[usize],
+        values: &[[f32; N]],
+        holds: bool,
+    ) {
+        let input = match self.times.get(frames) {
+            Some(&known) => known,
+            None => {
+                let times: Vec<[f32; 1]> = frames.iter().map(|f| [(*f as f64 / self.fps) as f32]).collect();
+                let accessor = self.buffer.floats(self.root, &times, Type::Scalar, None, true);
+                self.times.insert(frames.to_vec(), accessor);
+                accessor
+            }
+        };
         let output = self.buffer.floats(self.root, values, type_, None, false);
         let sampler = Index::new(self.samplers.len() as u32);
-        let interpolation = Checked::Valid(if still { Interpolation::Step } else { Interpolation::Linear });
+        let interpolation = Checked::Valid(if holds { Interpolation::Step } else { Interpolation::Linear });
         self.samplers.push(Sampler { extensions: None, extras: None, input, interpolation, output });
         let target = Target { extensions: None, extras: None, node, path: Checked::Valid(property) };
         self.channels.push(Channel { sampler, target, extensions: None, extras: None });
-    }
-
-    fn times(&mut self, keys: usize) -> Index<Accessor> {
-        let slot = usize::from(keys > 1);
-        if let Some(known) = self.times[slot] {
-            return known;
-        }
-        let times: Vec<[f32; 1]> = (0..keys).map(|frame| [(frame as f64 / self.fps) as f32]).collect();
-        let accessor = self.buffer.floats(self.root, &times, Type::Scalar, None, true);
-        self.times[slot] = Some(accessor);
-        accessor
     }
 }
 

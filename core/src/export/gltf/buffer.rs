@@ -1,25 +1,22 @@
 //! The binary buffer of a glTF file: views, each on a four-byte boundary, and the accessors over them.
 
-use gltf_json::accessor::{Accessor, ComponentType, GenericComponentType, Type};
+use gltf_json::accessor::sparse::{Indices, Sparse, Values};
+use gltf_json::accessor::{Accessor, ComponentType, GenericComponentType, IndexComponentType, Type};
 use gltf_json::buffer::{Target, View};
 use gltf_json::validation::{Checked, USize64};
 use gltf_json::{Index, Root};
 
 /// Bytes that grow, with what the file says about them.
 #[derive(Debug, Default)]
-pub(super) struct Buffer {
+pub(in crate::export) struct Buffer {
     bytes: Vec<u8>,
 }
 
 impl Buffer {
     /// All bytes, padded to whole words.
-    pub(super) fn into_bytes(mut self) -> Vec<u8> {
+    pub(in crate::export) fn into_bytes(mut self) -> Vec<u8> {
         self.align();
         self.bytes
-    }
-
-    pub(super) fn len(&self) -> usize {
-        self.bytes.len()
     }
 
     fn align(&mut self) {
@@ -27,7 +24,7 @@ impl Buffer {
     }
 
     /// A view of its own for `bytes`.
-    pub(super) fn view(&mut self, root: &mut Root, bytes: &[u8], target: Option<Target>) -> Index<View> {
+    pub(in crate::export) fn view(&mut self, root: &mut Root, bytes: &[u8], target: Option<Target>) -> Index<View> {
         self.align();
         let view = View {
             buffer: Index::new(0),
@@ -44,7 +41,7 @@ impl Buffer {
     }
 
     /// An accessor over `N` floats an element; `bounds` writes the smallest and largest value of each component.
-    pub(super) fn floats<const N: usize>(
+    pub(in crate::export) fn floats<const N: usize>(
         &mut self,
         root: &mut Root,
         values: &[[f32; N]],
@@ -67,8 +64,61 @@ impl Buffer {
         root.push(accessor)
     }
 
+    /// An accessor over triples of floats of which only those that are not zero are kept, where that is shorter. It has
+    /// bounds.
+    pub(in crate::export) fn displacements(&mut self, root: &mut Root, values: &[[f32; 3]]) -> Index<Accessor> {
+        let moved: Vec<usize> = (0..values.len()).filter(|v| values[*v] != [0.0; 3]).collect();
+        // An index of four bytes beside twelve of a value.
+        if moved.is_empty() || 4 * moved.len() >= 3 * values.len() {
+            return self.floats(root, values, Type::Vec3, Some(Target::ArrayBuffer), true);
+        }
+        let (bytes, component): (Vec<u8>, _) = if values.len() <= usize::from(u16::MAX) {
+            (moved.iter().flat_map(|v| (*v as u16).to_le_bytes()).collect(), ComponentType::U16)
+        } else {
+            (moved.iter().flat_map(|v| (*v as u32).to_le_bytes()).collect(), ComponentType::U32)
+        };
+        let indices = self.view(root, &bytes, None);
+        let bytes: Vec<u8> = moved.iter().flat_map(|v| values[*v]).flat_map(f32::to_le_bytes).collect();
+        let told = self.view(root, &bytes, None);
+        let extreme = |pick: fn(f32, f32) -> f32| {
+            let all = moved.iter().fold([0f32; 3], |a, v| std::array::from_fn(|i| pick(a[i], values[*v][i])));
+            Some(serde_json::Value::from(all.to_vec()))
+        };
+        root.push(Accessor {
+            buffer_view: None,
+            count: USize64::from(values.len()),
+            component_type: Checked::Valid(GenericComponentType(ComponentType::F32)),
+            type_: Checked::Valid(Type::Vec3),
+            min: extreme(f32::min),
+            max: extreme(f32::max),
+            sparse: Some(Sparse {
+                count: USize64::from(moved.len()),
+                indices: Indices {
+                    buffer_view: indices,
+                    byte_offset: USize64(0),
+                    component_type: Checked::Valid(IndexComponentType(component)),
+                    extensions: None,
+                    extras: None,
+                },
+                values: Values { buffer_view: told, byte_offset: USize64(0), extensions: None, extras: None },
+                extensions: None,
+                extras: None,
+            }),
+            byte_offset: None,
+            extensions: None,
+            extras: None,
+            name: None,
+            normalized: false,
+        })
+    }
+
     /// Vertex indices, as short as they can be.
-    pub(super) fn indices(&mut self, root: &mut Root, triangles: &[[u32; 3]], vertices: usize) -> Index<Accessor> {
+    pub(in crate::export) fn indices(
+        &mut self,
+        root: &mut Root,
+        triangles: &[[u32; 3]],
+        vertices: usize,
+    ) -> Index<Accessor> {
         // The largest value of each width is reserved for restarting strips.
         let all = triangles.iter().flatten();
         let (bytes, component): (Vec<u8>, _) = if vertices <= usize::from(u16::MAX) {
@@ -81,7 +131,7 @@ impl Buffer {
     }
 
     /// Four joints a vertex, in bytes where all `joints` fit.
-    pub(super) fn joints(&mut self, root: &mut Root, values: &[[u16; 4]], joints: usize) -> Index<Accessor> {
+    pub(in crate::export) fn joints(&mut self, root: &mut Root, values: &[[u16; 4]], joints: usize) -> Index<Accessor> {
         let all = values.iter().flatten();
         let (bytes, component): (Vec<u8>, _) = if joints <= 256 {
             (all.map(|j| *j as u8).collect(), ComponentType::U8)

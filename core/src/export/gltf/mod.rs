@@ -5,8 +5,8 @@
 //! moves it, so limbs stretch without scale. Colours carry the light of the clip; the material reflects nothing of its
 //! own, and `unlit` shows them as filmed (KHR_materials_unlit). The same model gives the same bytes.
 
-mod animation;
-mod buffer;
+pub(super) mod animation;
+pub(super) mod buffer;
 mod skin;
 
 use std::collections::BTreeMap;
@@ -100,22 +100,12 @@ pub fn glb(model: &RiggedModel, options: &GltfOptions, stage: Stage<'_>) -> Resu
         let node = Node { name: Some(part.name.clone()), mesh: Some(mesh), skin: Some(skin), ..Node::default() };
         scene.push(root.push(node));
     }
-    if options.unlit {
-        root.extensions_used.push("KHR_materials_unlit".into());
-    }
     animation::add(&mut root, &mut buffer, model, scale, &bones);
     stage.at(0.9)?;
 
     let scene = Scene { extensions: None, extras: extras(model, scale)?, name: Some("creature".into()), nodes: scene };
     root.scene = Some(root.push(scene));
-    root.push(gltf_json::Buffer {
-        byte_length: USize64::from(buffer.len().next_multiple_of(4)),
-        name: None,
-        uri: None,
-        extensions: None,
-        extras: None,
-    });
-    pack(&root, &buffer.into_bytes())
+    pack(&mut root, buffer)
 }
 
 fn add_bones(root: &mut Root, model: &RiggedModel, scale: f32, armature: Index<Node>) -> Vec<Index<Node>> {
@@ -139,7 +129,8 @@ fn add_bones(root: &mut Root, model: &RiggedModel, scale: f32, armature: Index<N
     bones
 }
 
-fn add_material(
+/// Adds a material that shows a PNG and reflects nothing of its own.
+pub(super) fn add_material(
     root: &mut Root,
     buffer: &mut Buffer,
     name: &str,
@@ -160,6 +151,9 @@ fn add_material(
     let texture = gltf_json::texture::Info { index: texture, tex_coord: 0, extensions: None, extras: None };
     let extension =
         gltf_json::extensions::material::Material { unlit: Some(gltf_json::extensions::material::Unlit {}) };
+    if unlit && root.extensions_used.is_empty() {
+        root.extensions_used.push("KHR_materials_unlit".into());
+    }
     root.push(Material {
         name: Some(name.into()),
         pbr_metallic_roughness: PbrMetallicRoughness {
@@ -223,12 +217,20 @@ fn extras(model: &RiggedModel, scale: f32) -> Result<gltf_json::Extras> {
     serde_json::value::to_raw_value(&value).map(Some).map_err(|e| not_writable(&e))
 }
 
-fn not_writable(error: &serde_json::Error) -> Error {
+pub(super) fn not_writable(error: &serde_json::Error) -> Error {
     Error::invalid("the model", format!("cannot be described in JSON: {error}"), "report this with the model")
 }
 
 /// The container: a header, the JSON and the buffer, each padded to whole words (glTF 2.0 section 4.4).
-fn pack(root: &Root, buffer: &[u8]) -> Result<Vec<u8>> {
+pub(super) fn pack(root: &mut Root, buffer: Buffer) -> Result<Vec<u8>> {
+    let buffer = buffer.into_bytes();
+    root.push(gltf_json::Buffer {
+        byte_length: USize64::from(buffer.len()),
+        name: None,
+        uri: None,
+        extensions: None,
+        extras: None,
+    });
     let mut json = root.to_vec().map_err(|e| not_writable(&e))?;
     json.resize(json.len().next_multiple_of(4), b' ');
     let total = 12 + 8 + json.len() + 8 + buffer.len();
@@ -249,6 +251,6 @@ fn pack(root: &Root, buffer: &[u8]) -> Result<Vec<u8>> {
     out.extend_from_slice(&json);
     out.extend_from_slice(&(buffer.len() as u32).to_le_bytes());
     out.extend_from_slice(b"BIN\0");
-    out.extend_from_slice(buffer);
+    out.extend_from_slice(&buffer);
     Ok(out)
 }

@@ -131,8 +131,9 @@ fn unmix(out: &mut RgbaImage, picture: &RgbaImage, drawn: &Mask, paper: &Paper) 
         let Some(ink) = strongest(&|way| way > 0.0).filter(|ink| strength(*ink) > strength(mixed).max(NOISE)) else {
             continue;
         };
-        // On the inner side of a line the drawing goes on, paler.
-        if own && strongest(&|way| way < -0.7).is_some_and(|c| strength(c) > strength(mixed)) {
+        // On the inner side of a line, which no paper touches, the drawing goes on, paler.
+        let touched = around().any(|(dx, dy)| dx.abs() + dy.abs() == 1 && outside((dx, dy)));
+        if own && !touched && strongest(&|way| way < -0.7).is_some_and(|c| strength(c) > strength(mixed)) {
             continue;
         }
         let (ground, faint) = (paper.colour(px as usize, py as usize), !own && strength(mixed) <= NOISE);

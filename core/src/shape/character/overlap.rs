@@ -25,7 +25,7 @@ pub struct Overlap {
     pub area: f64,
     /// The middle of what they share.
     pub at: Vec2,
-    /// Whether depths put one before the other; else the mesh's order does, which may differ from place to place.
+    /// Whether depths put one before the other; else it is in front because its bone is the outer one.
     pub ordered: bool,
 }
 
@@ -41,7 +41,7 @@ impl Character {
         let least = TOUCH * areas.sum::<f64>() / self.mesh.triangles.len() as f64;
         let mut shared: BTreeMap<[u32; 2], (f64, glam::DVec2)> = BTreeMap::new();
         for (t, u) in self.near(points) {
-            let (one, other) = (self.bone_of(t), self.bone_of(u));
+            let (one, other) = (self.triangle_bone(t), self.triangle_bone(u));
             let touching = self.mesh.triangles[t].iter().any(|v| self.mesh.triangles[u].contains(v));
             if one == other || touching {
                 continue;
@@ -55,7 +55,6 @@ impl Character {
             .into_iter()
             .filter(|(_, (area, _))| *area > least)
             .map(|([a, b], (area, at))| Overlap {
-                // Of equal depths, what comes later in the mesh is drawn over: a rule of thumb for the pair.
                 bones: if depth(a) > depth(b) { [a, b] } else { [b, a] },
                 area,
                 at: (at / area).as_vec2(),
@@ -76,7 +75,7 @@ impl Character {
         let mut there: Vec<u32> = Vec::new();
         for t in self.draw_order(depths) {
             let t = t as usize;
-            let bone = self.bone_of(t);
+            let bone = self.triangle_bone(t);
             if !there.contains(&bone) && covers(self.mesh.triangles[t].map(|v| points[v as usize]), at) {
                 there.push(bone);
             }
@@ -85,12 +84,6 @@ impl Character {
         let nearest = others.iter().map(|b| depths[*b as usize]).max()?;
         depths[hindmost as usize] = nearest.saturating_add(1);
         Some(hindmost)
-    }
-
-    /// The bone that most of a triangle's corners follow.
-    fn bone_of(&self, t: usize) -> u32 {
-        let [a, b, c] = self.mesh.triangles[t].map(|v| self.regions.bone[v as usize]);
-        if b == c { b } else { a }
     }
 
     /// Pairs of triangles whose upright boxes share a cell of a grid and meet, the lower first, each once.

@@ -17,8 +17,8 @@ pub struct TakeFrame {
     pub points: Vec<Vec2>,
     /// Where each joint is, in the skeleton's order.
     pub joints: Vec<Vec2>,
-    /// How near each bone's region is to the viewer; larger is nearer. Of regions at one depth the later
-    /// bone's is drawn over the earlier one's.
+    /// How near each bone's region is to the viewer; larger is nearer. Of regions at one depth the later bone's is drawn
+    /// over the earlier one's: bones go from the root outward.
     pub depths: Vec<i32>,
 }
 
@@ -93,19 +93,31 @@ fn room(frames: usize, vertices: usize) -> Result<usize> {
 }
 
 impl Character {
-    /// The mesh's triangles from the farthest to the nearest, for bones of these depths: by the mean depth of a triangle's
-    /// corners; where that is equal, by the last of the bones that its corners follow, so that limbs which cross lie over
-    /// each other as a whole; and then in the mesh's order.
+    /// The bone whose region each triangle is drawn with: that of most of its corners, the outer one where all differ.
+    pub fn triangle_bones(&self) -> Vec<u32> {
+        (0..self.mesh.triangles.len()).map(|t| self.triangle_bone(t)).collect()
+    }
+
+    pub(super) fn triangle_bone(&self, triangle: usize) -> u32 {
+        let [a, b, c] = self.mesh.triangles[triangle].map(|v| self.regions.bone[v as usize]);
+        match (a == b || a == c, b == c) {
+            (true, _) => a,
+            (_, true) => b,
+            _ => a.max(b).max(c),
+        }
+    }
+
+    /// The mesh's triangles from the farthest to the nearest, for bones of these depths. A region stays together; among
+    /// regions of one depth those of outer bones are nearer, and within a region the mesh's order holds.
     pub fn draw_order(&self, depths: &[i32]) -> Vec<u32> {
         let mut order: Vec<u32> = (0..self.mesh.triangles.len() as u32).collect();
         order.sort_by_cached_key(|t| self.nearness(*t, depths));
         order
     }
 
-    /// How near a triangle is: the sum of the depths of its corners, and the last of their bones.
-    pub(super) fn nearness(&self, triangle: u32, depths: &[i32]) -> (i64, u32) {
-        let bones = self.mesh.triangles[triangle as usize].map(|v| self.regions.bone.get(v as usize).copied());
-        let depth = |b: &u32| depths.get(*b as usize).copied().map_or(0, i64::from);
-        (bones.iter().flatten().map(depth).sum(), bones.into_iter().flatten().max().unwrap_or(0))
+    /// How near a triangle is: its region's depth, and its bone.
+    pub(super) fn nearness(&self, triangle: u32, depths: &[i32]) -> (i32, u32) {
+        let bone = self.triangle_bone(triangle as usize);
+        (depths.get(bone as usize).copied().unwrap_or(0), bone)
     }
 }
