@@ -21,6 +21,7 @@ use marey::clip::{ClipOptions, FrameMemory};
 
 use crate::allocator::{self, mry_allocator};
 use crate::border::{self, Out, Versioned};
+use crate::character::CharacterTable;
 use crate::clip::ClipTable;
 use crate::creature::CreatureTable;
 use crate::deforming::DeformationTable;
@@ -33,11 +34,14 @@ use crate::maps::MapTable;
 use crate::masks::MasksTable;
 use crate::motion::MotionTable;
 use crate::plugins::Plugins;
+use crate::poses::PosesTable;
+use crate::posing::PoserTable;
 use crate::rig::RigTable;
 use crate::session::SessionTable;
 use crate::status::{mry_status, mry_status_code as Code};
 use crate::string::mry_str;
 use crate::table::Table;
+use crate::take::TakeTable;
 use crate::threads::{Spawn, mry_executor};
 use crate::version;
 
@@ -117,6 +121,10 @@ pub(crate) struct Context {
     pub(crate) sessions: SessionTable,
     pub(crate) maps: MapTable,
     pub(crate) deformations: DeformationTable,
+    pub(crate) characters: CharacterTable,
+    pub(crate) posers: PoserTable,
+    pub(crate) poses: PosesTable,
+    pub(crate) takes: TakeTable,
     pub(crate) plugins: Plugins,
     pub(crate) limits: Limits,
     memory: Option<Arc<dyn FrameMemory>>,
@@ -154,6 +162,10 @@ impl Context {
         self.sessions.poison(id);
         self.maps.poison(id);
         self.deformations.poison(id);
+        self.characters.poison(id);
+        self.posers.poison(id);
+        self.poses.poison(id);
+        self.takes.poison(id);
     }
 
     /// Refuses calls that wait for the context's threads from inside a callback.
@@ -232,6 +244,10 @@ pub unsafe extern "C" fn mry_context_create(
             sessions: Table::new(7, tag, most),
             maps: Table::new(14, tag, most),
             deformations: Table::new(8, tag, most),
+            characters: Table::new(10, tag, most),
+            posers: Table::new(11, tag, most),
+            poses: Table::new(12, tag, most),
+            takes: Table::new(13, tag, most),
             plugins: Plugins::default(),
             limits,
             memory,

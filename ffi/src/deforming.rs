@@ -110,7 +110,7 @@ fn handles_in(handles: &[mry_handle], param: &'static str) -> Outcome<Vec<Handle
 }
 
 impl Call<'_> {
-    fn deformer(&self, id: &str, iterations: usize) -> Outcome<Arc<dyn Deformer>> {
+    pub(crate) fn deformer(&self, id: &str, iterations: usize) -> Outcome<Arc<dyn Deformer>> {
         match id {
             "" | "arap" => return Ok(Arc::new(ArapDeformer { iterations })),
             "needles" => return Ok(Arc::new(NeedleDeformer::default())),

@@ -10,7 +10,8 @@ use std::ffi::c_char;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use crate::border::{self, Out, OutStruct, Versioned};
+use crate::border::{self, Out, OutStruct, Text, Versioned};
+use crate::character::mry_character;
 use crate::clip::mry_clip;
 use crate::context::mry_context;
 use crate::creature::mry_creature;
@@ -21,6 +22,7 @@ use crate::motion::mry_motion;
 use crate::running::Job;
 use crate::status::{mry_status, mry_status_code as Code};
 use crate::table::Table;
+use crate::take::mry_take;
 
 pub(crate) type JobTable = Table<Arc<Job>>;
 
@@ -218,6 +220,77 @@ pub unsafe extern "C" fn mry_job_take_creature(
     entry!(context, err, |call| {
         let out = Out::new(out_creature, "out_creature")?;
         call.job(job)?.take(|p| &mut p.creature, |creature| call.keep_creature(creature).map(|id| out.set(id)))
+    })
+}
+
+/// Takes the character that a character job made; once.
+///
+/// @param context        The context.
+/// @param job            The job.
+/// @param out_character  The character.
+/// @param err            Detail of the job's or the call's failure, or NULL.
+/// @return MRY_OK; MRY_PENDING and MRY_CANCELLED (no output), the error the job ended with, MRY_E_TAKEN, MRY_E_KIND.
+/// Lifetime: until mry_character_destroy or the end of the context; the job may go before.
+/// Thread: [any-thread]. Since 0.1.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mry_job_take_character(
+    context: *mut mry_context,
+    job: mry_job,
+    out_character: *mut mry_character,
+    err: *mut mry_error,
+) -> mry_status {
+    entry!(context, err, |call| {
+        let out = Out::new(out_character, "out_character")?;
+        call.job(job)?.take(|p| &mut p.character, |drawn| call.keep_character(drawn).map(|id| out.set(id)))
+    })
+}
+
+/// Takes the take that a take job made; once.
+///
+/// @param context   The context.
+/// @param job       The job.
+/// @param out_take  The take.
+/// @param err       Detail of the job's or the call's failure, or NULL.
+/// @return MRY_OK; MRY_PENDING and MRY_CANCELLED (no output), the error the job ended with, MRY_E_TAKEN, MRY_E_KIND.
+/// Lifetime: until mry_take_destroy or the end of the context; the job may go before.
+/// Thread: [any-thread]. Since 0.1.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mry_job_take_take(
+    context: *mut mry_context,
+    job: mry_job,
+    out_take: *mut mry_take,
+    err: *mut mry_error,
+) -> mry_status {
+    entry!(context, err, |call| {
+        let out = Out::new(out_take, "out_take")?;
+        call.job(job)?.take(|p| &mut p.take, |take| call.keep_take(take).map(|id| out.set(id)))
+    })
+}
+
+/// What a take file job says of its work, as JSON: the files, what their pictures show, how many frames. It can be asked
+/// for again.
+///
+/// @param context   The context.
+/// @param job       The job.
+/// @param text      Where the text goes, UTF-8 with a NUL; NULL with capacity 0 to ask for the size.
+/// @param capacity  Bytes at text.
+/// @param out_size  Bytes needed, with the NUL.
+/// @param err       Detail of the job's or the call's failure, or NULL.
+/// @return MRY_OK; MRY_PENDING and MRY_CANCELLED (no output), the error the job ended with, MRY_E_KIND,
+///         MRY_E_BUFFER_TOO_SMALL.
+/// Thread: [any-thread]. Since 0.1.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mry_job_get_report(
+    context: *mut mry_context,
+    job: mry_job,
+    text: *mut c_char,
+    capacity: usize,
+    out_size: *mut usize,
+    err: *mut mry_error,
+) -> mry_status {
+    entry!(context, err, |call| {
+        let text = Text::new(text, capacity, out_size, "text")?;
+        call.job(job)?.report(|report| text.fill(report))
     })
 }
 

@@ -31,14 +31,16 @@ pub struct mry_map {
 
 /// Format of an image: 3 bytes a pixel, red, green, blue, sRGB.
 pub const MRY_FORMAT_RGB8: i32 = 1;
+/// Format of an image: 4 bytes a pixel, red, green, blue, sRGB, and alpha, which the others are not multiplied by.
+pub const MRY_FORMAT_RGBA8: i32 = 2;
 
-/// A picture in memory of the library's, rows from the top.
+/// A picture in memory, rows from the top: of the library's, or what a host hands over.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct mry_image_view {
     /// sizeof(mry_image_view).
     pub struct_size: u32,
-    /// MRY_FORMAT_RGB8; accept ones you do not know.
+    /// MRY_FORMAT_RGB8, ...; accept ones you do not know.
     pub format: i32,
     /// Pixels across.
     pub width: u32,
@@ -52,7 +54,7 @@ pub struct mry_image_view {
     pub map: mry_map,
 }
 
-// SAFETY: repr(C), starts with its u32 size; numbers and a pointer that is only written.
+// SAFETY: repr(C), starts with its u32 size; numbers and a pointer, which the host vouches for where it is read.
 unsafe impl Versioned for mry_image_view {
     const FIRST_SIZE: usize = 40;
 }

@@ -8,6 +8,7 @@ use marey::clip::Clip;
 use marey::job::Progress;
 use marey::motion::Motion;
 
+use crate::character::Drawn;
 use crate::context::{MRY_LOG_ERROR, MRY_LOG_INFO};
 use crate::creature::Creature;
 use crate::error::{Failure, Outcome};
@@ -16,6 +17,7 @@ use crate::job::mry_job;
 use crate::masks::MaskSet;
 use crate::session_jobs::ForSession;
 use crate::status::{mry_status, mry_status_code as Code};
+use crate::take::Played;
 
 /// A part of a job's result.
 #[derive(Default)]
@@ -35,6 +37,10 @@ pub(crate) struct Product {
     pub(crate) masks: Part<Arc<MaskSet>>,
     pub(crate) creature: Part<Arc<Creature>>,
     pub(crate) for_session: Part<ForSession>,
+    pub(crate) character: Part<Arc<Drawn>>,
+    pub(crate) take: Part<Arc<Played>>,
+    /// What it says of its work.
+    pub(crate) report: Option<String>,
 }
 
 enum State {
@@ -119,6 +125,19 @@ impl Job {
                     self.ended.wait_timeout(state, left).unwrap_or_else(PoisonError::into_inner).0
                 }
             };
+        }
+    }
+
+    /// What the job says of its work; it can be asked for again.
+    pub(crate) fn report(&self, tell: impl FnOnce(&str) -> Outcome<Code>) -> Outcome<Code> {
+        match &*lock(&self.state) {
+            State::Waiting | State::Running => Ok(Code::MRY_PENDING),
+            State::Cancelled => Ok(Code::MRY_CANCELLED),
+            State::Failed(failure) => Err(failure.clone()),
+            State::Done(product) => {
+                let none = || Failure::new(Code::MRY_E_KIND, "job", "the job makes no report");
+                tell(product.report.as_deref().ok_or_else(none)?)
+            }
         }
     }
 

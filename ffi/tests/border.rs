@@ -22,6 +22,10 @@ struct Ids {
     job: mry_job,
     session: mry_session,
     deformation: mry_deformation,
+    character: mry_character,
+    poser: mry_poser,
+    poses: mry_poses,
+    take: mry_take,
 }
 
 fn ids(f: &Fixture) -> Ids {
@@ -34,6 +38,12 @@ fn ids(f: &Fixture) -> Ids {
         assert_eq!(mry_job_start_track(f.context, &f.track_desc(), &mut ids.job, &mut err), OK);
         ids.session = f.session();
         assert_eq!(mry_deformation_create(f.context, deform(), &mut ids.deformation, &mut err), OK);
+        ids.character = f.character();
+        assert_eq!(mry_poser_create(f.context, ids.character, str(""), 0, &mut ids.poser, &mut err), OK);
+        assert_eq!(mry_poses_create(f.context, ids.character, 24.0, 1, &mut ids.poses, &mut err), OK);
+        assert_eq!(mry_poses_set_key(f.context, ids.poses, 0, three(), 3, 0, &mut err), OK);
+        let status = mry_run_take(f.context, take(ids), &mut ids.take, &mut err);
+        assert_eq!(status, OK, "{}", text(&err.message));
     }
     ids
 }
@@ -126,6 +136,35 @@ fn held() -> *const mry_handle {
     }
     const HANDLES: [mry_handle; 3] = [point(0.0, 0.0), point(9.0, 0.0), point(9.0, 9.0)];
     HANDLES.as_ptr()
+}
+
+/// Places for the joints of the small character.
+fn three() -> *const mry_point {
+    const PLACES: [mry_point; 3] =
+        [mry_point { x: 10.0, y: 10.0 }, mry_point { x: 20.0, y: 10.0 }, mry_point { x: 30.0, y: 12.0 }];
+    PLACES.as_ptr()
+}
+
+fn character(path: &str) -> *const mry_character_desc {
+    let mut desc = unsafe { std::mem::zeroed::<mry_character_desc>() };
+    unsafe { mry_character_desc_init(&mut desc, size_of::<mry_character_desc>() as u32) };
+    desc.picture = str(path);
+    Box::leak(Box::new(desc))
+}
+
+fn take(i: Ids) -> *const mry_take_desc {
+    let mut desc = unsafe { std::mem::zeroed::<mry_take_desc>() };
+    unsafe { mry_take_desc_init(&mut desc, size_of::<mry_take_desc>() as u32) };
+    // Garbage has no poses either, and is told by what comes first.
+    desc.poses = i.poses;
+    Box::leak(Box::new(desc))
+}
+
+fn take_file(i: Ids, path: &str) -> *const mry_take_file_desc {
+    let mut desc = unsafe { std::mem::zeroed::<mry_take_file_desc>() };
+    unsafe { mry_take_file_desc_init(&mut desc, size_of::<mry_take_file_desc>() as u32) };
+    (desc.take, desc.path, desc.format) = (i.take, str(path), str("gif"));
+    Box::leak(Box::new(desc))
 }
 
 fn segment(i: Ids) -> *const mry_segment_desc {
@@ -221,6 +260,69 @@ const CALLS: &[(&str, Has, Run)] = calls! {
         [i.creature, 0, o.at::<[u8; 1024]>().cast(), 4096 * 1024, 0];
     Out mry_deformation_create(c, i, o, e, p) => [deform(), o.at()];
     IdAndOut mry_deformation_solve(c, i, o, e, p) => [i.deformation, held(), 3, ptr::null(), o.at(), 4];
+    Out mry_job_start_character(c, i, o, e, p) => [character(p), o.at()];
+    Out mry_run_character(c, i, o, e, p) => [character(p), o.at()];
+    IdAndOut mry_job_take_character(c, i, o, e, p) => [i.job, o.at()];
+    IdAndOut mry_character_copy(c, i, o, e, p) => [i.character, o.at()];
+    IdAndOut mry_character_get_info(c, i, o, e, p) => [i.character, o.sized()];
+    IdAndOut mry_character_read_vertices(c, i, o, e, p) =>
+        [i.character, o.at(), o.at(), o.at::<u32>().cast(), 4096, o.at()];
+    IdAndOut mry_character_read_triangles(c, i, o, e, p) => [i.character, o.at::<[u32; 3]>().cast(), 4096, o.at()];
+    IdAndOut mry_character_to_json(c, i, o, e, p) => [i.character, o.at::<[u8; 64]>().cast(), 4096 * 64, o.at()];
+    Id mry_character_write(c, i, o, e, p) => [i.character, str(p)];
+    Id mry_character_write_preview(c, i, o, e, p) => [i.character, str(p)];
+    IdAndOut mry_character_get_joint(c, i, o, e, p) => [i.character, 0, o.at(), 4096, o.at(), o.at()];
+    IdAndOut mry_character_find_joint(c, i, o, e, p) => [i.character, str("a"), o.at()];
+    IdAndOut mry_character_get_bone(c, i, o, e, p) => [i.character, 0, o.at(), o.at()];
+    Id mry_character_set_joints(c, i, o, e, p) => [i.character, three(), 3];
+    Id mry_character_rename_joint(c, i, o, e, p) => [i.character, 0, str("hip")];
+    IdAndOut mry_character_add_joint(c, i, o, e, p) =>
+        [i.character, str("d"), mry_point { x: 1.0, y: 2.0 }, 0, o.at()];
+    IdAndOut mry_character_split_bone(c, i, o, e, p) =>
+        [i.character, str("e"), mry_point { x: 1.0, y: 2.0 }, 0, o.at()];
+    Id mry_character_remove_joint(c, i, o, e, p) => [i.character, 0];
+    IdAndOut mry_character_on_curve(c, i, o, e, p) => [i.character, mry_point { x: 1.0, y: 2.0 }, o.at()];
+    IdAndOut mry_poser_create(c, i, o, e, p) => [i.character, str(""), 0, o.at()];
+    IdAndOut mry_poser_pose(c, i, o, e, p) => [i.poser, three(), 3, o.at(), 4096];
+    IdAndOut mry_poser_drag(c, i, o, e, p) => [i.poser, three(), 3, o.at(), 4096];
+    IdAndOut mry_character_sketch(c, i, o, e, p) =>
+        [i.character, ptr::null(), 3, three(), [3].as_ptr(), 1, o.at()];
+    IdAndOut mry_poser_redraw(c, i, o, e, p) =>
+        [i.poser, three(), 3, three(), 3, three(), 3, o.at(), o.at(), 4096, o.at()];
+    IdAndOut mry_character_read_overlaps(c, i, o, e, p) =>
+        [i.character, three(), 3, ptr::null(), 0, o.at(), 4096, o.at()];
+    IdAndOut mry_character_bring_forward(c, i, o, e, p) =>
+        [i.character, three(), 3, o.at(), 2, mry_point { x: 1.0, y: 2.0 }, o.at()];
+    IdAndOut mry_poses_create(c, i, o, e, p) => [i.character, 24.0, 1, o.at()];
+    IdAndOut mry_poses_read(c, i, o, e, p) => [i.character, str(p), o.at()];
+    IdAndOut mry_poses_from_json(c, i, o, e, p) => [i.character, str("{}"), o.at()];
+    IdAndOut mry_poses_to_json(c, i, o, e, p) => [i.poses, o.at(), 4096, o.at()];
+    Id mry_poses_write(c, i, o, e, p) => [i.poses, str(p)];
+    IdAndOut mry_poses_get_info(c, i, o, e, p) => [i.poses, o.sized()];
+    Id mry_poses_set_rate(c, i, o, e, p) => [i.poses, 12.0, 2];
+    Id mry_poses_set_key(c, i, o, e, p) => [i.poses, 3, three(), 3, MRY_EASING_IN];
+    Id mry_poses_remove_key(c, i, o, e, p) => [i.poses, 3];
+    IdAndOut mry_poses_get_key(c, i, o, e, p) => [i.poses, 0, o.at(), o.at(), o.at(), 4096, o.at()];
+    Id mry_poses_set_moved(c, i, o, e, p) => [i.poses, 0, [0].as_ptr(), point(), 1];
+    IdAndOut mry_poses_get_moved(c, i, o, e, p) => [i.poses, 0, o.at(), o.at(), 4096, o.at()];
+    Id mry_poses_set_depth(c, i, o, e, p) => [i.poses, 0, 0, 1];
+    IdAndOut mry_motion_retarget(c, i, o, e, p) => [i.motion, i.character, ptr::null(), o.at()];
+    IdAndOut mry_motion_match(c, i, o, e, p) => [i.motion, i.character, ptr::null(), o.at(), 4096, o.at()];
+    Out mry_motion_read_bvh(c, i, o, e, p) => [str(p), 0, 0, o.at()];
+    Id mry_motion_write_bvh(c, i, o, e, p) => [i.motion, str(p)];
+    IdAndOut mry_job_start_take(c, i, o, e, p) => [take(i), o.at()];
+    IdAndOut mry_run_take(c, i, o, e, p) => [take(i), o.at()];
+    IdAndOut mry_job_take_take(c, i, o, e, p) => [i.job, o.at()];
+    IdAndOut mry_take_get_info(c, i, o, e, p) => [i.take, o.sized()];
+    IdAndOut mry_take_read_points(c, i, o, e, p) => [i.take, 0, o.at(), 4096, o.at()];
+    IdAndOut mry_take_read_joints(c, i, o, e, p) => [i.take, 0, o.at(), 4096, o.at()];
+    IdAndOut mry_take_read_depths(c, i, o, e, p) => [i.take, 0, o.at(), 4096, o.at()];
+    IdAndOut mry_take_measure(c, i, o, e, p) => [i.take, 0.0, 0, o.at(), o.at(), o.at()];
+    IdAndOut mry_take_draw_frame(c, i, o, e, p) => [i.take, 0, 0.0, 0, o.at::<[u8; 8]>().cast(), 4096 * 8, 0];
+    IdAndOut mry_take_get_report(c, i, o, e, p) => [i.take, o.at(), 4096, o.at()];
+    IdAndOut mry_job_start_take_file(c, i, o, e, p) => [take_file(i, p), o.at()];
+    Id mry_run_take_file(c, i, o, e, p) => [take_file(i, p)];
+    IdAndOut mry_job_get_report(c, i, o, e, p) => [i.job, o.at(), 4096, o.at()];
     IdAndOut mry_clip_map_frame(c, i, o, e, p) => [i.clip, 0, o.sized()];
     IdAndOut mry_creature_map_part(c, i, o, e, p) => [i.creature, 0, 1, o.sized()];
     IdAndOut mry_creature_map_texture(c, i, o, e, p) => [i.creature, 0, o.sized()];
@@ -312,9 +414,12 @@ const CALLS: &[(&str, Has, Run)] = calls! {
 };
 
 /// Functions that destroy, and functions without a context.
-const OTHERS: [&str; 40] = [
+const OTHERS: [&str; 51] = [
     "mry_abi_check",
     "mry_allocator_init",
+    "mry_character_desc_init",
+    "mry_character_destroy",
+    "mry_character_info_init",
     "mry_clip_close",
     "mry_clip_info_init",
     "mry_clip_options_init",
@@ -344,11 +449,19 @@ const OTHERS: [&str; 40] = [
     "mry_plugin_info_init",
     "mry_plugin_parameter_info_init",
     "mry_plugins_desc_init",
+    "mry_poser_destroy",
+    "mry_poses_destroy",
+    "mry_poses_info_init",
+    "mry_retarget_desc_init",
     "mry_rig_destroy",
     "mry_segment_desc_init",
     "mry_session_destroy",
     "mry_session_state_init",
     "mry_status_text",
+    "mry_take_desc_init",
+    "mry_take_destroy",
+    "mry_take_file_desc_init",
+    "mry_take_info_init",
     "mry_track_desc_init",
     "mry_unmap",
     "mry_version",
@@ -405,6 +518,10 @@ fn dead_and_foreign_ids_are_stale_everywhere() {
         mry_job_destroy(f.context, dead.job);
         mry_session_destroy(f.context, dead.session);
         mry_deformation_destroy(f.context, dead.deformation);
+        mry_character_destroy(f.context, dead.character);
+        mry_poser_destroy(f.context, dead.poser);
+        mry_poses_destroy(f.context, dead.poses);
+        mry_take_destroy(f.context, dead.take);
     }
     let garbage = Ids {
         clip: mry_clip { v: u64::MAX },
@@ -415,6 +532,10 @@ fn dead_and_foreign_ids_are_stale_everywhere() {
         job: mry_job { v: u64::MAX },
         session: mry_session { v: u64::MAX },
         deformation: mry_deformation { v: u64::MAX },
+        character: mry_character { v: u64::MAX },
+        poser: mry_poser { v: u64::MAX },
+        poses: mry_poses { v: u64::MAX },
+        take: mry_take { v: u64::MAX },
     };
     for (name, _, run) in CALLS.iter().filter(|c| !matches!(c.1, Has::Out | Has::Neither)) {
         for (what, ids) in [("null", Ids::default()), ("dead", dead), ("foreign", ids), ("garbage", garbage)] {
@@ -440,6 +561,10 @@ fn destroying_nothing_is_no_error_and_destroying_twice_is_one() {
         assert_eq!(mry_creature_destroy(c, mry_creature::default()), OK);
         assert_eq!(mry_job_destroy(c, mry_job::default()), OK);
         assert_eq!(mry_session_destroy(c, mry_session::default()), OK);
+        assert_eq!(mry_character_destroy(c, mry_character::default()), OK);
+        assert_eq!(mry_poser_destroy(c, mry_poser::default()), OK);
+        assert_eq!(mry_poses_destroy(c, mry_poses::default()), OK);
+        assert_eq!(mry_take_destroy(c, mry_take::default()), OK);
         assert_eq!(mry_context_destroy(ptr::null_mut()), OK);
         assert_eq!((mry_clip_close(c, i.clip), mry_clip_close(c, i.clip)), (OK, code(MRY_E_STALE)));
         assert_eq!((mry_rig_destroy(c, i.rig), mry_rig_destroy(c, i.rig)), (OK, code(MRY_E_STALE)));

@@ -84,6 +84,13 @@
 #define MRY_IMAGE_VIEW_INIT { (uint32_t)sizeof(mry_image_view), 0, 0, 0, 0, NULL, { 0 } }
 #define MRY_MESH_VIEW_INIT { (uint32_t)sizeof(mry_mesh_view), 0, 0, 0, NULL, NULL, NULL, NULL, { 0 } }
 #define MRY_DEFORM_DESC_INIT { (uint32_t)sizeof(mry_deform_desc), 0, NULL, 0, NULL, 0, NULL, 0, { NULL, 0 } }
+#define MRY_CHARACTER_DESC_INIT { (uint32_t)sizeof(mry_character_desc), 0, 0.0f, 0, { NULL, 0 }, { NULL, 0 }, { NULL, 0 }, { NULL, 0 }, NULL }
+#define MRY_CHARACTER_INFO_INIT { (uint32_t)sizeof(mry_character_info), 0, 0, 0, 0, 0, 0, 0 }
+#define MRY_POSES_INFO_INIT { (uint32_t)sizeof(mry_poses_info), 0, 0.0, 0, 0 }
+#define MRY_RETARGET_DESC_INIT { (uint32_t)sizeof(mry_retarget_desc), 0, 0, 0.0f, 0.0f, 0, 0, { NULL, 0 }, NULL, 0 }
+#define MRY_TAKE_DESC_INIT { (uint32_t)sizeof(mry_take_desc), 0, { 0 }, { 0 }, { 0 }, { NULL, 0 }, NULL }
+#define MRY_TAKE_INFO_INIT { (uint32_t)sizeof(mry_take_info), 0, 0, 0, 0, 0, 0.0, { 0.0f, 0.0f }, { 0.0f, 0.0f } }
+#define MRY_TAKE_FILE_DESC_INIT { (uint32_t)sizeof(mry_take_file_desc), 0, { 0 }, { NULL, 0 }, { NULL, 0 }, { NULL, 0 }, 0.0f, { 0 } }
 #define MRY_JOB_STATE_INIT { (uint32_t)sizeof(mry_job_state), 0, 0.0, 0, { 0 } }
 #define MRY_TRACK_DESC_INIT { (uint32_t)sizeof(mry_track_desc), 0, { 0 }, { 0 }, { NULL, 0 }, { 0 }, { 0 } }
 #define MRY_SEGMENT_DESC_INIT { (uint32_t)sizeof(mry_segment_desc), 0, { 0 }, { 0 }, { 0 }, { NULL, 0 }, { NULL, 0 }, { NULL, 0 } }
@@ -150,11 +157,65 @@
 /** Format of an image: 3 bytes a pixel, red, green, blue, sRGB. */
 #define MRY_FORMAT_RGB8 1
 
+/** Format of an image: 4 bytes a pixel, red, green, blue, sRGB, and alpha, which the others are not multiplied by. */
+#define MRY_FORMAT_RGBA8 2
+
 /** Kind of a handle: a point of the mesh, at a; b is not looked at. */
 #define MRY_HANDLE_POINT 1
 
 /** Kind of a handle: a straight bone from its root a to its tip b. */
 #define MRY_HANDLE_BONE 2
+
+/** Class of a vertex: on the mesh's rim. */
+#define MRY_VERTEX_SILHOUETTE 1
+
+/** Class of a vertex: inside one bone's region. */
+#define MRY_VERTEX_INTERIOR 2
+
+/** Class of a vertex: where regions join. */
+#define MRY_VERTEX_JOINT 3
+
+/** Area of "needles": every triangle keeps its area. */
+#define MRY_AREA_EXACT 0
+
+/** Area of "needles": across a bone by the reciprocal of its length, as the paper has it. */
+#define MRY_AREA_RECIPROCAL 1
+
+/** Area of "needles": nothing keeps it. */
+#define MRY_AREA_OFF 2
+
+/** Easing: evenly to the next key. */
+#define MRY_EASING_LINEAR 0
+
+/** Easing: slowly first. */
+#define MRY_EASING_IN 1
+
+/** Easing: slowly at last. */
+#define MRY_EASING_OUT 2
+
+/** Easing: slowly at both ends. */
+#define MRY_EASING_INOUT 3
+
+/** Easing: not at all until the next key. */
+#define MRY_EASING_HOLD 4
+
+/** What of a bone's direction is carried over: how far it turned since the reference frame. */
+#define MRY_ANGLES_RELATIVE 0
+
+/** What of a bone's direction is carried over: where it points. */
+#define MRY_ANGLES_ABSOLUTE 1
+
+/** From where a BVH file is seen: along z, x to the right. */
+#define MRY_VIEW_FRONT 0
+
+/** From where a BVH file is seen: along x, z to the right. */
+#define MRY_VIEW_SIDE 1
+
+/** From where a BVH file with z up is seen: x to the right. */
+#define MRY_VIEW_FRONT_Z_UP 2
+
+/** From where a BVH file with z up is seen: y to the right. */
+#define MRY_VIEW_SIDE_Z_UP 3
 
 /** Export: one glTF 2.0 binary, as mry_creature_write_glb. */
 #define MRY_EXPORT_GLB 1
@@ -655,11 +716,11 @@ typedef struct mry_map {
   uint64_t v;
 } mry_map;
 
-/** A picture in memory of the library's, rows from the top. */
+/** A picture in memory, rows from the top: of the library's, or what a host hands over. */
 typedef struct mry_image_view {
   /** sizeof(mry_image_view). */
   uint32_t struct_size;
-  /** MRY_FORMAT_RGB8; accept ones you do not know. */
+  /** MRY_FORMAT_RGB8, ...; accept ones you do not know. */
   int32_t format;
   /** Pixels across. */
   uint32_t width;
@@ -738,6 +799,201 @@ typedef struct mry_deformation {
   uint64_t v;
 } mry_deformation;
 
+/**
+ * What to make a character of. Start from MRY_CHARACTER_DESC_INIT; a picture, or a rig, or both must be set. With a rig
+ * the character is as it says, without one its mesh and its skeleton are proposed.
+ */
+typedef struct mry_character_desc {
+  /** sizeof(mry_character_desc). */
+  uint32_t struct_size;
+  /** About how many vertices the mesh has away from joints, at most 200000; 0 for 1200. */
+  uint32_t vertices;
+  /** How much closer vertices are at joints, 1 to 8; 0 for 2. */
+  float finer_at_joints;
+  /** Zero. */
+  uint32_t reserved0;
+  /** The drawing's file: what is opaque, or, where everything is, what differs from the paper. Empty for pixels. */
+  mry_str picture;
+  /** A picture of the same size that cuts the drawing out: bright is the drawing. Empty for none. */
+  mry_str mask;
+  /** A rig.json file; empty for none. */
+  mry_str rig;
+  /** The text of a rig.json; empty for none. */
+  mry_str rig_json;
+  /**
+   * The drawing in memory, in place of a file: MRY_FORMAT_RGBA8 with straight alpha, or MRY_FORMAT_RGB8. NULL for none.
+   * map is not looked at.
+   */
+  const mry_image_view *pixels;
+} mry_character_desc;
+
+/** What a character is. */
+typedef struct mry_character_info {
+  /** sizeof(mry_character_info). */
+  uint32_t struct_size;
+  /** The picture's pixels across. */
+  uint32_t width;
+  /** The picture's pixels down. */
+  uint32_t height;
+  /** How many joints there are. */
+  uint32_t joint_count;
+  /** How many bones there are. */
+  uint32_t bone_count;
+  /** 1 where the picture is there, 0 where the character was made of a rig alone. */
+  uint32_t has_picture;
+  /** The mesh's vertices. */
+  uint64_t vertex_count;
+  /** The mesh's triangles. */
+  uint64_t triangle_count;
+} mry_character_info;
+
+/** A job. */
+typedef struct mry_job {
+  /** The id; 0 is no job. */
+  uint64_t v;
+} mry_job;
+
+/** A character. */
+typedef struct mry_character {
+  /** The id; 0 is no character. */
+  uint64_t v;
+} mry_character;
+
+/** A character bound to its skeleton. */
+typedef struct mry_poser {
+  /** The id; 0 is no poser. */
+  uint64_t v;
+} mry_poser;
+
+/** Two regions that lie over each other. */
+typedef struct mry_overlap {
+  /** The bone in front. */
+  uint32_t front;
+  /** The bone behind. */
+  uint32_t behind;
+  /** The area that they share, in square pixels. */
+  double area;
+  /** The middle of what they share. */
+  mry_point at;
+  /** 1 where depths put one before the other, 0 where only the mesh's order does. */
+  uint32_t ordered;
+  /** Zero. */
+  uint32_t reserved0;
+} mry_overlap;
+
+/** What poses are. */
+typedef struct mry_poses_info {
+  /** sizeof(mry_poses_info). */
+  uint32_t struct_size;
+  /** Every pose stays for so many frames. */
+  uint32_t step;
+  /** Frames a second. */
+  double fps;
+  /** How many keys there are. */
+  uint64_t key_count;
+  /** How many frames there are: up to the last key. */
+  uint64_t frame_count;
+} mry_poses_info;
+
+/** Key poses. */
+typedef struct mry_poses {
+  /** The id; 0 is no poses. */
+  uint64_t v;
+} mry_poses;
+
+/** How a motion is carried over. Start from MRY_RETARGET_DESC_INIT; nothing must be set. */
+typedef struct mry_retarget_desc {
+  /** sizeof(mry_retarget_desc). */
+  uint32_t struct_size;
+  /** MRY_ANGLES_RELATIVE or MRY_ANGLES_ABSOLUTE. */
+  int32_t angles;
+  /** The frame of the motion that the character at rest corresponds to. */
+  uint64_t reference;
+  /** Bones change their length with the motion's up to this factor either way; 1 keeps all lengths, 0 is for 3. */
+  float stretch;
+  /** What the way of the roots is scaled by; 0 for the ratio of the figures' sizes. */
+  float root_scale;
+  /** 1 to leave the roots where they are; 0 to let them go. */
+  uint32_t in_place;
+  /** Zero. */
+  uint32_t reserved0;
+  /** The text of a map.json; empty to match by names or by likeness. */
+  mry_str map;
+  /** Names of joints that stay where they come down, such as feet. */
+  const mry_str *planted;
+  /** How many. */
+  uint64_t planted_count;
+} mry_retarget_desc;
+
+/** What to make a take of. Start from MRY_TAKE_DESC_INIT; poses, or character and motion must be set. */
+typedef struct mry_take_desc {
+  /** sizeof(mry_take_desc). */
+  uint32_t struct_size;
+  /** What keeps the area, with "needles": MRY_AREA_EXACT, ... */
+  int32_t area;
+  /** Key poses, of their own character; or {0}. */
+  mry_poses poses;
+  /** With a motion: the character. */
+  mry_character character;
+  /** The motion; or {0}. */
+  mry_motion motion;
+  /** "needles", "arap" or a plugin's id; empty for "needles". */
+  mry_str deformer;
+  /** With a motion: how it is carried over; NULL for the defaults. */
+  const mry_retarget_desc *retarget;
+} mry_take_desc;
+
+/** What a take is. */
+typedef struct mry_take_info {
+  /** sizeof(mry_take_info). */
+  uint32_t struct_size;
+  /** Joints of the character. */
+  uint32_t joint_count;
+  /** Bones of the character. */
+  uint32_t bone_count;
+  /** Zero. */
+  uint32_t reserved0;
+  /** Vertices of the character. */
+  uint64_t vertex_count;
+  /** How many frames there are. */
+  uint64_t frame_count;
+  /** Frames a second. */
+  double fps;
+  /** The left upper corner of the mesh in all frames. */
+  mry_point low;
+  /** The right lower corner of the mesh in all frames. */
+  mry_point high;
+} mry_take_info;
+
+/** A character in motion. */
+typedef struct mry_take {
+  /** The id; 0 is no take. */
+  uint64_t v;
+} mry_take;
+
+/** What to write. Start from MRY_TAKE_FILE_DESC_INIT; take and path must be set. */
+typedef struct mry_take_file_desc {
+  /** sizeof(mry_take_file_desc). */
+  uint32_t struct_size;
+  /** 1 to cut pictures to the drawing's; 0 to show all of every frame. */
+  uint32_t crop;
+  /** The take, of a character with its picture. */
+  mry_take take;
+  /** The file, or the folder. */
+  mry_str path;
+  /**
+   * "png-dir", "sprite-sheet", "gif", "apng", "webp", "mp4", "glb", "lottie", "spine" or "dragonbones"; empty to go by
+   * the path's ending, where .json is Lottie, .png an animated PNG, and no ending a folder of PNG pictures.
+   */
+  mry_str format;
+  /** A name for what is inside the file; empty for the path's. */
+  mry_str name;
+  /** Pixels a pixel of the drawing; 0 for 1. */
+  float scale;
+  /** What lies behind: red, green, blue, alpha. Formats without alpha show it over white. */
+  uint8_t background[4];
+} mry_take_file_desc;
+
 /** How a job is doing. */
 typedef struct mry_job_state {
   /** sizeof(mry_job_state). */
@@ -751,12 +1007,6 @@ typedef struct mry_job_state {
   /** What is being done, a word or two, NUL-terminated: "waiting" before the job's turn. */
   char stage[48];
 } mry_job_state;
-
-/** A job. */
-typedef struct mry_job {
-  /** The id; 0 is no job. */
-  uint64_t v;
-} mry_job;
 
 /** What to track. Start from MRY_TRACK_DESC_INIT; clip and rig must be set. */
 typedef struct mry_track_desc {
@@ -2833,6 +3083,1305 @@ MRY_API mry_status mry_deformation_destroy(mry_context *context, mry_deformation
 /** @} */
 
 /**
+ * @defgroup character Characters
+ *
+ * Characters. A character is a cut-out drawing that moves by its skeleton: a mesh over the picture, named joints, bones
+ * between them, and for each bone the region of the mesh that follows it. Pixels are those of the picture: x right, y
+ * down. They are the mesh's texture coordinates too, once divided by the picture's size.
+ * @{
+ */
+
+/**
+ * Fills in a description with struct_size set and everything else zero, for languages without the INIT macros.
+ *
+ * @param desc  Where to write; NULL does nothing.
+ * @param size  sizeof(mry_character_desc) as the caller knows it.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+void mry_character_desc_init(mry_character_desc *desc,
+                             uint32_t size);
+
+/**
+ * Fills in a character info with struct_size set and everything else zero, for languages without the INIT macros.
+ *
+ * @param info  Where to write; NULL does nothing.
+ * @param size  sizeof(mry_character_info) as the caller knows it.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+void mry_character_info_init(mry_character_info *info,
+                             uint32_t size);
+
+/**
+ * Starts making a character. Gives a character. Pixels and texts are copied when it starts, files are read later.
+ *
+ * @param context  The context.
+ * @param desc     What to make it of.
+ * @param out_job  The job.
+ * @param err      Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_ARGUMENT (nothing given, a picture or a rig given twice, the pixels' format or stride),
+ *         MRY_E_NON_FINITE, MRY_E_LIMIT, MRY_E_STRUCT_SIZE, MRY_E_STRING.
+ * Lifetime: until mry_job_destroy or the end of the context.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_job_start_character(mry_context *context,
+                                   const mry_character_desc *desc,
+                                   mry_job *out_job,
+                                   mry_error *err);
+
+/**
+ * Makes a character, and returns when it is done. Work that was started before comes first.
+ *
+ * @param context        The context.
+ * @param desc           What to make it of.
+ * @param out_character  The character.
+ * @param err            Detail of a failure, or NULL.
+ * @return MRY_OK; what mry_job_start_character and mry_job_wait return; MRY_E_INPUT (no drawing is found, a rig for
+ *         another size), MRY_E_NO_FILE.
+ * Lifetime: until mry_character_destroy or the end of the context.
+ * Thread: [outside-callbacks]. Since 0.1.
+ */
+MRY_API
+mry_status mry_run_character(mry_context *context,
+                             const mry_character_desc *desc,
+                             mry_character *out_character,
+                             mry_error *err);
+
+/**
+ * Copies a character, to change it. What is large is shared.
+ *
+ * @param context        The context.
+ * @param character      The character.
+ * @param out_character  The copy.
+ * @param err            Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_BUSY.
+ * Lifetime: until mry_character_destroy or the end of the context.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_character_copy(mry_context *context,
+                              mry_character character,
+                              mry_character *out_character,
+                              mry_error *err);
+
+/**
+ * Destroys a character. Posers, poses and takes made of it live on.
+ *
+ * @param context    The context.
+ * @param character  The character; {0} is no error.
+ * @return MRY_OK.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API mry_status mry_character_destroy(mry_context *context, mry_character character);
+
+/**
+ * What a character is: size and counts.
+ *
+ * @param context    The context.
+ * @param character  The character.
+ * @param out_info   The answer; its struct_size must be set.
+ * @param err        Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_STRUCT_SIZE, MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_character_get_info(mry_context *context,
+                                  mry_character character,
+                                  mry_character_info *out_info,
+                                  mry_error *err);
+
+/**
+ * The mesh's vertices at rest.
+ *
+ * @param context    The context.
+ * @param character  The character.
+ * @param points     Where they are; or NULL.
+ * @param bones      The bone that each follows; or NULL.
+ * @param classes    MRY_VERTEX_SILHOUETTE, ...; or NULL.
+ * @param capacity   Vertices that fit into each list.
+ * @param out_count  Vertices of the mesh.
+ * @param err        Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_BUFFER_TOO_SMALL, MRY_E_ARGUMENT (capacity), MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_character_read_vertices(mry_context *context,
+                                       mry_character character,
+                                       mry_point *points,
+                                       uint32_t *bones,
+                                       uint8_t *classes,
+                                       size_t capacity,
+                                       size_t *out_count,
+                                       mry_error *err);
+
+/**
+ * The mesh's triangles, all turned from x to y.
+ *
+ * @param context    The context.
+ * @param character  The character.
+ * @param indices    Three vertex indices for each triangle; NULL with capacity 0 to ask for the count.
+ * @param capacity   Triangles that fit.
+ * @param out_count  Triangles of the mesh.
+ * @param err        Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_BUFFER_TOO_SMALL, MRY_E_ARGUMENT (capacity), MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_character_read_triangles(mry_context *context,
+                                        mry_character character,
+                                        uint32_t *indices,
+                                        size_t capacity,
+                                        size_t *out_count,
+                                        mry_error *err);
+
+/**
+ * The character as the text of a rig.json. Its picture is not in it.
+ *
+ * @param context    The context.
+ * @param character  The character.
+ * @param text       Where the text goes, UTF-8 with a NUL; NULL with capacity 0 to ask for the size.
+ * @param capacity   Bytes at text.
+ * @param out_size   Bytes needed, with the NUL.
+ * @param err        Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_BUFFER_TOO_SMALL, MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_character_to_json(mry_context *context,
+                                 mry_character character,
+                                 char *text,
+                                 size_t capacity,
+                                 size_t *out_size,
+                                 mry_error *err);
+
+/**
+ * Writes rig.json; the file appears whole or not at all.
+ *
+ * @param context    The context.
+ * @param character  The character.
+ * @param path       The file, in a folder that exists.
+ * @param err        Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_IO, MRY_E_INPUT (no place for a file), MRY_E_STRING, MRY_E_ARGUMENT, MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_character_write(mry_context *context,
+                               mry_character character,
+                               mry_str path,
+                               mry_error *err);
+
+/**
+ * Writes a PNG of the rig over the picture: the mesh with each bone's region in a colour, bones, and joints.
+ *
+ * @param context    The context.
+ * @param character  The character, with its picture.
+ * @param path       The file, in a folder that exists.
+ * @param err        Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_IO, MRY_E_INPUT (no picture, no place for a file), MRY_E_STRING, MRY_E_ARGUMENT, MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_character_write_preview(mry_context *context,
+                                       mry_character character,
+                                       mry_str path,
+                                       mry_error *err);
+
+/** @} */
+
+/**
+ * @defgroup skeleton Skeletons
+ *
+ * Skeletons. A character's joints, and the straight bones between them, each from the joint nearer to the root outward and
+ * after the one that it hangs from. A change grows the regions anew, a few milliseconds for thousands of vertices; one
+ * that fails changes nothing. Joints may lie anywhere; a bone wholly outside the drawing moves nothing.
+ * @{
+ */
+
+/**
+ * A joint's name and place at rest.
+ *
+ * @param context    The context.
+ * @param character  The character.
+ * @param joint      Which, below joint_count.
+ * @param name       Where the name goes, UTF-8 with a NUL; NULL with capacity 0 to ask for the size.
+ * @param capacity   Bytes at name.
+ * @param out_size   Bytes needed, with the NUL.
+ * @param out_at     Its place; or NULL.
+ * @param err        Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_ARGUMENT (joint), MRY_E_BUFFER_TOO_SMALL, MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_character_get_joint(mry_context *context,
+                                   mry_character character,
+                                   uint32_t joint,
+                                   char *name,
+                                   size_t capacity,
+                                   size_t *out_size,
+                                   mry_point *out_at,
+                                   mry_error *err);
+
+/**
+ * The joint of a name.
+ *
+ * @param context    The context.
+ * @param character  The character.
+ * @param name       Its name.
+ * @param out_joint  Its index.
+ * @param err        Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_NOT_FOUND, MRY_E_STRING, MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_character_find_joint(mry_context *context,
+                                    mry_character character,
+                                    mry_str name,
+                                    uint32_t *out_joint,
+                                    mry_error *err);
+
+/**
+ * The two joints of a bone.
+ *
+ * @param context    The context.
+ * @param character  The character.
+ * @param bone       Which, below bone_count.
+ * @param out_from   The joint nearer to the root.
+ * @param out_to     The joint that hangs from it.
+ * @param err        Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_ARGUMENT (bone), MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_character_get_bone(mry_context *context,
+                                  mry_character character,
+                                  uint32_t bone,
+                                  uint32_t *out_from,
+                                  uint32_t *out_to,
+                                  mry_error *err);
+
+/**
+ * Moves all joints at rest.
+ *
+ * @param context    The context.
+ * @param character  The character.
+ * @param places     Where they are to lie, one for each joint.
+ * @param count      How many: joint_count.
+ * @param err        Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_ARGUMENT (count), MRY_E_NON_FINITE, MRY_E_BUSY.
+ * Thread: [outside-callbacks]. Since 0.1.
+ */
+MRY_API
+mry_status mry_character_set_joints(mry_context *context,
+                                    mry_character character,
+                                    const mry_point *places,
+                                    size_t count,
+                                    mry_error *err);
+
+/**
+ * Gives a joint another name.
+ *
+ * @param context    The context.
+ * @param character  The character.
+ * @param joint      Which, below joint_count.
+ * @param name       Its name, unlike any other's.
+ * @param err        Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_ARGUMENT (joint, an empty name), MRY_E_INPUT (the name is taken), MRY_E_STRING, MRY_E_BUSY.
+ * Thread: [outside-callbacks]. Since 0.1.
+ */
+MRY_API
+mry_status mry_character_rename_joint(mry_context *context,
+                                      mry_character character,
+                                      uint32_t joint,
+                                      mry_str name,
+                                      mry_error *err);
+
+/**
+ * Adds a joint behind the others, with a bone from another joint to it.
+ *
+ * @param context    The context.
+ * @param character  The character.
+ * @param name       Its name, unlike any other's.
+ * @param at         Where it lies at rest.
+ * @param parent     The joint that its bone begins at.
+ * @param out_joint  Its index.
+ * @param err        Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_ARGUMENT (parent, an empty name), MRY_E_INPUT (the name is taken), MRY_E_NON_FINITE,
+ *         MRY_E_LIMIT, MRY_E_STRING, MRY_E_BUSY.
+ * Thread: [outside-callbacks]. Since 0.1.
+ */
+MRY_API
+mry_status mry_character_add_joint(mry_context *context,
+                                   mry_character character,
+                                   mry_str name,
+                                   mry_point at,
+                                   uint32_t parent,
+                                   uint32_t *out_joint,
+                                   mry_error *err);
+
+/**
+ * Adds a joint behind the others, in the middle of a bone: the bone becomes two.
+ *
+ * @param context    The context.
+ * @param character  The character.
+ * @param name       Its name, unlike any other's.
+ * @param at         Where it lies at rest.
+ * @param bone       Which, below bone_count.
+ * @param out_joint  Its index.
+ * @param err        Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_ARGUMENT (bone, an empty name), MRY_E_INPUT (the name is taken), MRY_E_NON_FINITE,
+ *         MRY_E_LIMIT, MRY_E_STRING, MRY_E_BUSY.
+ * Thread: [outside-callbacks]. Since 0.1.
+ */
+MRY_API
+mry_status mry_character_split_bone(mry_context *context,
+                                    mry_character character,
+                                    mry_str name,
+                                    mry_point at,
+                                    uint32_t bone,
+                                    uint32_t *out_joint,
+                                    mry_error *err);
+
+/**
+ * Takes a joint away; the indices of those behind it go down. What hung from it hangs from the joint before it, or, at a
+ * root, from the first of what hung.
+ *
+ * @param context    The context.
+ * @param character  The character.
+ * @param joint      Which, below joint_count.
+ * @param err        Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_ARGUMENT (joint), MRY_E_INPUT (no bone would be left), MRY_E_BUSY.
+ * Thread: [outside-callbacks]. Since 0.1.
+ */
+MRY_API
+mry_status mry_character_remove_joint(mry_context *context,
+                                      mry_character character,
+                                      uint32_t joint,
+                                      mry_error *err);
+
+/**
+ * The place on the drawing's curve skeleton, its middle lines, that is nearest to a place: where a joint snaps to.
+ *
+ * @param context    The context.
+ * @param character  The character.
+ * @param at         The place.
+ * @param out_at     The nearest.
+ * @param err        Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_NOT_FOUND (its rig has no curve), MRY_E_NON_FINITE, MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_character_on_curve(mry_context *context,
+                                  mry_character character,
+                                  mry_point at,
+                                  mry_point *out_at,
+                                  mry_error *err);
+
+/** @} */
+
+/**
+ * @defgroup posing Posing
+ *
+ * Posing. A poser is a character bound to its skeleton: joints in, the mesh out, in milliseconds for thousands of
+ * vertices. It keeps its work between calls: drag while the pointer moves, and pose when it is let go. To move a mesh by
+ * other handles, see mry_deformation_create.
+ * @{
+ */
+
+/**
+ * Binds a character, as it is now, to its skeleton: milliseconds for thousands of vertices.
+ *
+ * @param context    The context.
+ * @param character  The character.
+ * @param deformer   "needles", "arap" or a plugin's id; empty for "needles".
+ * @param area       What keeps the area, with "needles": MRY_AREA_EXACT, ...
+ * @param out_poser  The poser.
+ * @param err        Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_ARGUMENT (area), MRY_E_INPUT (a skeleton that the deformer cannot use), MRY_E_UNSUPPORTED (no
+ *         such deformer), MRY_E_STRING, MRY_E_BUSY, what a plugin's work may return.
+ * Lifetime: until mry_poser_destroy or the end of the context; the character may change or go before.
+ * Thread: [outside-callbacks]. Since 0.1.
+ */
+MRY_API
+mry_status mry_poser_create(mry_context *context,
+                            mry_character character,
+                            mry_str deformer,
+                            int32_t area,
+                            mry_poser *out_poser,
+                            mry_error *err);
+
+/**
+ * The mesh with the joints where they are said to be. With "needles" it depends on nothing else; with "arap" and plugins
+ * a pose starts from the one before.
+ *
+ * @param context      The context.
+ * @param poser        The poser.
+ * @param joints       Where each joint is.
+ * @param joint_count  How many: joint_count of the character.
+ * @param points       Where the mesh goes.
+ * @param point_count  Points that fit: at least vertex_count of the character.
+ * @param err          Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_ARGUMENT (joint_count), MRY_E_BUFFER_TOO_SMALL, MRY_E_NON_FINITE, MRY_E_LIMIT, MRY_E_BUSY
+ *         (another thread is at it), what a plugin's work may return.
+ * Thread: [outside-callbacks]. Since 0.1.
+ */
+MRY_API
+mry_status mry_poser_pose(mry_context *context,
+                          mry_poser poser,
+                          const mry_point *joints,
+                          size_t joint_count,
+                          mry_point *points,
+                          size_t point_count,
+                          mry_error *err);
+
+/**
+ * The mesh with the joints where they are said to be, on from the pose before: for drags, many times as fast as a pose and
+ * within a pixel of it, but where flesh is pressed together. Pose when the pointer is let go.
+ *
+ * @param context      The context.
+ * @param poser        The poser.
+ * @param joints       Where each joint is.
+ * @param joint_count  How many: joint_count of the character.
+ * @param points       Where the mesh goes.
+ * @param point_count  Points that fit: at least vertex_count of the character.
+ * @param err          Detail of a failure, or NULL.
+ * @return As mry_poser_pose.
+ * Thread: [outside-callbacks]. Since 0.1.
+ */
+MRY_API
+mry_status mry_poser_drag(mry_context *context,
+                          mry_poser poser,
+                          const mry_point *joints,
+                          size_t joint_count,
+                          mry_point *points,
+                          size_t point_count,
+                          mry_error *err);
+
+/**
+ * Destroys a poser.
+ *
+ * @param context  The context.
+ * @param poser    The poser; {0} is no error.
+ * @return MRY_OK.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API mry_status mry_poser_destroy(mry_context *context, mry_poser poser);
+
+/** @} */
+
+/**
+ * @defgroup redrawing Redrawing
+ *
+ * Redrawing. What a pen does to a pose: a skeleton drawn anew as strokes, a stretch of the outline drawn anew as a curve,
+ * and a click that brings a part of the drawing before what it lies behind.
+ * @{
+ */
+
+/**
+ * The pose that strokes draw: the whole skeleton, or some of its bones, in any order and direction.
+ *
+ * @param context       The context.
+ * @param character     The character.
+ * @param from          Where each joint was; NULL for the skeleton at rest.
+ * @param joint_count   Joints at from and at out_joints: joint_count of the character.
+ * @param points        The points of all strokes, one stroke behind the other.
+ * @param lengths       How many points each stroke has.
+ * @param stroke_count  How many strokes there are.
+ * @param out_joints    Where each joint is now.
+ * @param err           Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_INPUT (strokes that fit no bone, too many of them), MRY_E_ARGUMENT (joint_count),
+ *         MRY_E_NON_FINITE, MRY_E_LIMIT, MRY_E_BUSY.
+ * Thread: [outside-callbacks]. Since 0.1.
+ */
+MRY_API
+mry_status mry_character_sketch(mry_context *context,
+                                mry_character character,
+                                const mry_point *from,
+                                size_t joint_count,
+                                const mry_point *points,
+                                const uint32_t *lengths,
+                                size_t stroke_count,
+                                mry_point *out_joints,
+                                mry_error *err);
+
+/**
+ * A stretch of the outline drawn anew, of a pose: the vertices that follow the curve, as mry_poses_set_moved takes them.
+ *
+ * @param context      The context.
+ * @param poser        The poser, of "needles".
+ * @param joints       Where each joint is.
+ * @param joint_count  How many: joint_count of the character.
+ * @param points       The mesh as it is shown, with what was dragged before.
+ * @param point_count  How many: vertex_count of the character.
+ * @param curve        The curve, from one place on the outline to another.
+ * @param curve_count  Its points.
+ * @param vertices     Vertices that move; or NULL.
+ * @param ways         How far each does from where it is; or NULL.
+ * @param capacity     Vertices that fit into each list.
+ * @param out_count    How many there are.
+ * @param err          Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_INPUT (a curve that does not begin and end on the outline, another number of joints or points),
+ *         MRY_E_BUFFER_TOO_SMALL, MRY_E_UNSUPPORTED (a poser of another deformer), MRY_E_NON_FINITE, MRY_E_LIMIT,
+ *         MRY_E_BUSY.
+ * Thread: [outside-callbacks]. Since 0.1.
+ */
+MRY_API
+mry_status mry_poser_redraw(mry_context *context,
+                            mry_poser poser,
+                            const mry_point *joints,
+                            size_t joint_count,
+                            const mry_point *points,
+                            size_t point_count,
+                            const mry_point *curve,
+                            size_t curve_count,
+                            uint32_t *vertices,
+                            mry_point *ways,
+                            size_t capacity,
+                            size_t *out_count,
+                            mry_error *err);
+
+/**
+ * The regions that lie over each other in a pose, the largest areas first.
+ *
+ * @param context      The context.
+ * @param character    The character.
+ * @param points       The mesh as it is shown.
+ * @param point_count  How many: vertex_count of the character.
+ * @param depths       How near each bone's region is; NULL for 0 everywhere.
+ * @param depth_count  How many: bone_count of the character, or 0.
+ * @param overlaps     Where they go; NULL with capacity 0 to ask for the count.
+ * @param capacity     Overlaps that fit.
+ * @param out_count    How many there are.
+ * @param err          Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_ARGUMENT (point_count, depth_count), MRY_E_BUFFER_TOO_SMALL, MRY_E_NON_FINITE, MRY_E_BUSY.
+ * Thread: [outside-callbacks]. Since 0.1.
+ */
+MRY_API
+mry_status mry_character_read_overlaps(mry_context *context,
+                                       mry_character character,
+                                       const mry_point *points,
+                                       size_t point_count,
+                                       const int32_t *depths,
+                                       size_t depth_count,
+                                       mry_overlap *overlaps,
+                                       size_t capacity,
+                                       size_t *out_count,
+                                       mry_error *err);
+
+/**
+ * Brings the hindmost region at a place of a pose before the others that lie there.
+ *
+ * @param context      The context.
+ * @param character    The character.
+ * @param points       The mesh as it is shown.
+ * @param point_count  How many: vertex_count of the character.
+ * @param depths       How near each bone's region is; changed.
+ * @param depth_count  How many: bone_count of the character.
+ * @param at           The place.
+ * @param out_bone     The bone whose region came forward.
+ * @param err          Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_NOT_FOUND (no two regions lie there), MRY_E_ARGUMENT (point_count, depth_count),
+ *         MRY_E_NON_FINITE, MRY_E_LIMIT, MRY_E_BUSY.
+ * Thread: [outside-callbacks]. Since 0.1.
+ */
+MRY_API
+mry_status mry_character_bring_forward(mry_context *context,
+                                       mry_character character,
+                                       const mry_point *points,
+                                       size_t point_count,
+                                       int32_t *depths,
+                                       size_t depth_count,
+                                       mry_point at,
+                                       uint32_t *out_bone,
+                                       mry_error *err);
+
+/** @} */
+
+/**
+ * @defgroup poses Poses
+ *
+ * Poses. Key poses of a character over time, from which a take makes every frame. They belong to the character as it was
+ * when they were made; for one that has changed since, make them anew from their text: joints that it does not name
+ * hang as they do at rest.
+ * @{
+ */
+
+/**
+ * Fills in a poses info with struct_size set and everything else zero, for languages without the INIT macros.
+ *
+ * @param info  Where to write; NULL does nothing.
+ * @param size  sizeof(mry_poses_info) as the caller knows it.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API void mry_poses_info_init(mry_poses_info *info, uint32_t size);
+
+/**
+ * Creates poses without a key.
+ *
+ * @param context    The context.
+ * @param character  The character.
+ * @param fps        Frames a second; 0 for 24.
+ * @param step       Frames that every pose stays for, 2 for animation "on twos"; 0 for 1.
+ * @param out_poses  The poses.
+ * @param err        Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_ARGUMENT (fps), MRY_E_NON_FINITE, MRY_E_BUSY.
+ * Lifetime: until mry_poses_destroy or the end of the context; the character may change or go before.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_poses_create(mry_context *context,
+                            mry_character character,
+                            double fps,
+                            uint32_t step,
+                            mry_poses *out_poses,
+                            mry_error *err);
+
+/**
+ * Reads a poses.json file for a character.
+ *
+ * @param context    The context.
+ * @param character  The character.
+ * @param path       The file.
+ * @param out_poses  The poses.
+ * @param err        Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_NO_FILE, MRY_E_INPUT, MRY_E_IO, MRY_E_STRING, MRY_E_ARGUMENT, MRY_E_BUSY.
+ * Lifetime: until mry_poses_destroy or the end of the context.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_poses_read(mry_context *context,
+                          mry_character character,
+                          mry_str path,
+                          mry_poses *out_poses,
+                          mry_error *err);
+
+/**
+ * Reads the text of a poses.json for a character.
+ *
+ * @param context    The context.
+ * @param character  The character.
+ * @param json       The text.
+ * @param out_poses  The poses.
+ * @param err        Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_INPUT, MRY_E_STRING, MRY_E_BUSY.
+ * Lifetime: until mry_poses_destroy or the end of the context.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_poses_from_json(mry_context *context,
+                               mry_character character,
+                               mry_str json,
+                               mry_poses *out_poses,
+                               mry_error *err);
+
+/**
+ * Poses as the text of a poses.json.
+ *
+ * @param context   The context.
+ * @param poses     The poses.
+ * @param text      Where the text goes, UTF-8 with a NUL; NULL with capacity 0 to ask for the size.
+ * @param capacity  Bytes at text.
+ * @param out_size  Bytes needed, with the NUL.
+ * @param err       Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_BUFFER_TOO_SMALL, MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_poses_to_json(mry_context *context,
+                             mry_poses poses,
+                             char *text,
+                             size_t capacity,
+                             size_t *out_size,
+                             mry_error *err);
+
+/**
+ * Writes poses.json; the file appears whole or not at all.
+ *
+ * @param context  The context.
+ * @param poses    The poses.
+ * @param path     The file, in a folder that exists.
+ * @param err      Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_IO, MRY_E_INPUT (no place for a file), MRY_E_STRING, MRY_E_ARGUMENT, MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_poses_write(mry_context *context,
+                           mry_poses poses,
+                           mry_str path,
+                           mry_error *err);
+
+/**
+ * What poses are: counts and rate.
+ *
+ * @param context   The context.
+ * @param poses     The poses.
+ * @param out_info  The answer; its struct_size must be set.
+ * @param err       Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_STRUCT_SIZE, MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_poses_get_info(mry_context *context,
+                              mry_poses poses,
+                              mry_poses_info *out_info,
+                              mry_error *err);
+
+/**
+ * Sets the rate.
+ *
+ * @param context  The context.
+ * @param poses    The poses.
+ * @param fps      Frames a second; 0 for 24.
+ * @param step     Frames that every pose stays for; 0 for 1.
+ * @param err      Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_ARGUMENT (fps), MRY_E_NON_FINITE, MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_poses_set_rate(mry_context *context,
+                              mry_poses poses,
+                              double fps,
+                              uint32_t step,
+                              mry_error *err);
+
+/**
+ * Sets the joints of a frame, which becomes a key; what else was set for it stays.
+ *
+ * @param context      The context.
+ * @param poses        The poses.
+ * @param frame        The frame, counted from 0.
+ * @param joints       Where each joint is.
+ * @param joint_count  How many: joint_count of the character.
+ * @param easing       How the way to the next key is spread: MRY_EASING_LINEAR, ...
+ * @param err          Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_ARGUMENT (joint_count, easing), MRY_E_NON_FINITE, MRY_E_LIMIT (frame, keys), MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_poses_set_key(mry_context *context,
+                             mry_poses poses,
+                             uint64_t frame,
+                             const mry_point *joints,
+                             size_t joint_count,
+                             int32_t easing,
+                             mry_error *err);
+
+/**
+ * Takes a key away.
+ *
+ * @param context  The context.
+ * @param poses    The poses.
+ * @param frame    Its frame.
+ * @param err      Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_NOT_FOUND (no key), MRY_E_LIMIT, MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_poses_remove_key(mry_context *context,
+                                mry_poses poses,
+                                uint64_t frame,
+                                mry_error *err);
+
+/**
+ * One key: its frame, its easing, and where the joints are.
+ *
+ * @param context     The context.
+ * @param poses       The poses.
+ * @param key         Which, below key_count, by rising frames.
+ * @param out_frame   Its frame; or NULL.
+ * @param out_easing  Its easing; or NULL.
+ * @param joints      Where each joint is; NULL with capacity 0 to ask for the count.
+ * @param capacity    Joints that fit.
+ * @param out_count   Joints of the character.
+ * @param err         Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_ARGUMENT (key), MRY_E_BUFFER_TOO_SMALL, MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_poses_get_key(mry_context *context,
+                             mry_poses poses,
+                             uint64_t key,
+                             uint64_t *out_frame,
+                             int32_t *out_easing,
+                             mry_point *joints,
+                             size_t capacity,
+                             size_t *out_count,
+                             mry_error *err);
+
+/**
+ * Sets the vertices that a key drags by hand, in place of those set before.
+ *
+ * @param context   The context.
+ * @param poses     The poses.
+ * @param frame     The key's frame.
+ * @param vertices  Vertices of the mesh.
+ * @param ways      How far each is from where the deformation puts it.
+ * @param count     How many; 0 for none.
+ * @param err       Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_NOT_FOUND (no key), MRY_E_ARGUMENT (a vertex), MRY_E_NON_FINITE, MRY_E_LIMIT, MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_poses_set_moved(mry_context *context,
+                               mry_poses poses,
+                               uint64_t frame,
+                               const uint32_t *vertices,
+                               const mry_point *ways,
+                               size_t count,
+                               mry_error *err);
+
+/**
+ * The vertices that a key drags by hand.
+ *
+ * @param context    The context.
+ * @param poses      The poses.
+ * @param frame      The key's frame.
+ * @param vertices   Vertices of the mesh; or NULL.
+ * @param ways       How far each is from where the deformation puts it; or NULL.
+ * @param capacity   Vertices that fit into each list.
+ * @param out_count  How many there are.
+ * @param err        Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_NOT_FOUND (no key), MRY_E_BUFFER_TOO_SMALL, MRY_E_ARGUMENT (capacity), MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_poses_get_moved(mry_context *context,
+                               mry_poses poses,
+                               uint64_t frame,
+                               uint32_t *vertices,
+                               mry_point *ways,
+                               size_t capacity,
+                               size_t *out_count,
+                               mry_error *err);
+
+/**
+ * Sets how near to the viewer a bone's region is from a key to the next.
+ *
+ * @param context  The context.
+ * @param poses    The poses.
+ * @param frame    The key's frame.
+ * @param bone     Which, below bone_count of the character.
+ * @param depth    Larger is nearer; regions of one depth are drawn in the mesh's order. 0 where it was not set.
+ * @param err      Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_NOT_FOUND (no key), MRY_E_ARGUMENT (bone), MRY_E_LIMIT, MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_poses_set_depth(mry_context *context,
+                               mry_poses poses,
+                               uint64_t frame,
+                               uint32_t bone,
+                               int32_t depth,
+                               mry_error *err);
+
+/**
+ * Destroys poses.
+ *
+ * @param context  The context.
+ * @param poses    The poses; {0} is no error.
+ * @return MRY_OK.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API mry_status mry_poses_destroy(mry_context *context, mry_poses poses);
+
+/** @} */
+
+/**
+ * @defgroup retargeting Retargeting
+ *
+ * Retargeting. Any motion moves any character: its joints follow tracks by a map, by their names, or, where neither says
+ * it, by the likeness of the two figures. Motions come from tracking, from other programs by mry_motion_add_track, and
+ * from BVH files, which motion capture writes.
+ * @{
+ */
+
+/**
+ * Fills in a description with struct_size set and everything else zero, for languages without the INIT macros.
+ *
+ * @param desc  Where to write; NULL does nothing.
+ * @param size  sizeof(mry_retarget_desc) as the caller knows it.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+void mry_retarget_desc_init(mry_retarget_desc *desc,
+                            uint32_t size);
+
+/**
+ * Carries a motion over to a character: a motion of joint tracks, one for each of its joints, in its pixels.
+ *
+ * @param context     The context.
+ * @param motion      The motion.
+ * @param character   The character.
+ * @param desc        How; NULL for the defaults.
+ * @param out_motion  The motion of the character's joints.
+ * @param err         Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_INPUT (nothing matches, a map or a planted joint that names what is not there, a reference
+ *         beyond the end, a stretch below 1), MRY_E_ARGUMENT, MRY_E_NON_FINITE, MRY_E_STRING, MRY_E_STRUCT_SIZE,
+ *         MRY_E_BUSY.
+ * Lifetime: until mry_motion_destroy or the end of the context.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_motion_retarget(mry_context *context,
+                               mry_motion motion,
+                               mry_character character,
+                               const mry_retarget_desc *desc,
+                               mry_motion *out_motion,
+                               mry_error *err);
+
+/**
+ * Which joint of a character follows what of a motion, as the text of a map.json that a person can correct.
+ *
+ * @param context    The context.
+ * @param motion     The motion.
+ * @param character  The character.
+ * @param desc       How; NULL for the defaults. A map in it is completed.
+ * @param text       Where the text goes, UTF-8 with a NUL; NULL with capacity 0 to ask for the size.
+ * @param capacity   Bytes at text.
+ * @param out_size   Bytes needed, with the NUL.
+ * @param err        Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_BUFFER_TOO_SMALL, and what mry_motion_retarget returns.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_motion_match(mry_context *context,
+                            mry_motion motion,
+                            mry_character character,
+                            const mry_retarget_desc *desc,
+                            char *text,
+                            size_t capacity,
+                            size_t *out_size,
+                            mry_error *err);
+
+/**
+ * Reads a BVH file as a motion of joints: its skeleton in space, seen from one side.
+ *
+ * @param context     The context.
+ * @param path        The file.
+ * @param view        From where: MRY_VIEW_FRONT, ...
+ * @param height      Pixels that its way and its height are scaled to, with a margin; 0 for 512.
+ * @param out_motion  The motion.
+ * @param err         Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_NO_FILE, MRY_E_INPUT (what is not BVH, with its line), MRY_E_IO, MRY_E_ARGUMENT (view, path),
+ *         MRY_E_STRING.
+ * Lifetime: until mry_motion_destroy or the end of the context.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_motion_read_bvh(mry_context *context,
+                               mry_str path,
+                               int32_t view,
+                               uint32_t height,
+                               mry_motion *out_motion,
+                               mry_error *err);
+
+/**
+ * Writes a motion's joints as a BVH file; strokes and points are left out. The file appears whole or not at all.
+ *
+ * @param context  The context.
+ * @param motion   The motion.
+ * @param path     The file, in a folder that exists.
+ * @param err      Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_INPUT (no joints, bones in a circle, no place for a file), MRY_E_IO, MRY_E_STRING,
+ *         MRY_E_ARGUMENT, MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_motion_write_bvh(mry_context *context,
+                                mry_motion motion,
+                                mry_str path,
+                                mry_error *err);
+
+/** @} */
+
+/**
+ * @defgroup take Takes
+ *
+ * Takes. A take is what a character does in every frame: of key poses with what lies between them, or of a motion. Takes do
+ * not change; they keep their character as it was.
+ * @{
+ */
+
+/**
+ * Fills in a description with struct_size set and everything else zero, for languages without the INIT macros.
+ *
+ * @param desc  Where to write; NULL does nothing.
+ * @param size  sizeof(mry_take_desc) as the caller knows it.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+void mry_take_desc_init(mry_take_desc *desc,
+                        uint32_t size);
+
+/**
+ * Fills in a take info with struct_size set and everything else zero, for languages without the INIT macros.
+ *
+ * @param info  Where to write; NULL does nothing.
+ * @param size  sizeof(mry_take_info) as the caller knows it.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API void mry_take_info_init(mry_take_info *info, uint32_t size);
+
+/**
+ * Starts making a take. Gives a take.
+ *
+ * @param context  The context.
+ * @param desc     What to make it of.
+ * @param out_job  The job.
+ * @param err      Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_ARGUMENT (area, poses and a motion, what mry_motion_retarget refuses of its description),
+ *         MRY_E_INPUT (a map that is not readable), MRY_E_UNSUPPORTED (no such deformer), MRY_E_NON_FINITE,
+ *         MRY_E_STRUCT_SIZE, MRY_E_STRING, MRY_E_BUSY.
+ * Lifetime: until mry_job_destroy or the end of the context.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_job_start_take(mry_context *context,
+                              const mry_take_desc *desc,
+                              mry_job *out_job,
+                              mry_error *err);
+
+/**
+ * Makes a take, and returns when it is done. Work that was started before comes first.
+ *
+ * @param context   The context.
+ * @param desc      What to make it of.
+ * @param out_take  The take.
+ * @param err       Detail of a failure, or NULL.
+ * @return MRY_OK; what mry_job_start_take and mry_job_wait return; MRY_E_INPUT (poses without a key, a motion that
+ *         matches nothing).
+ * Lifetime: until mry_take_destroy or the end of the context.
+ * Thread: [outside-callbacks]. Since 0.1.
+ */
+MRY_API
+mry_status mry_run_take(mry_context *context,
+                        const mry_take_desc *desc,
+                        mry_take *out_take,
+                        mry_error *err);
+
+/**
+ * Destroys a take.
+ *
+ * @param context  The context.
+ * @param take     The take; {0} is no error.
+ * @return MRY_OK.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API mry_status mry_take_destroy(mry_context *context, mry_take take);
+
+/**
+ * What a take is: counts, rate and bounds.
+ *
+ * @param context   The context.
+ * @param take      The take.
+ * @param out_info  The answer; its struct_size must be set.
+ * @param err       Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_STRUCT_SIZE.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_take_get_info(mry_context *context,
+                             mry_take take,
+                             mry_take_info *out_info,
+                             mry_error *err);
+
+/**
+ * Where the mesh's vertices are in a frame.
+ *
+ * @param context    The context.
+ * @param take       The take.
+ * @param frame      Which, below frame_count.
+ * @param points     Where they go; NULL with capacity 0 to ask for the count.
+ * @param capacity   Points that fit.
+ * @param out_count  Vertices of the mesh.
+ * @param err        Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_ARGUMENT (frame), MRY_E_BUFFER_TOO_SMALL.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_take_read_points(mry_context *context,
+                                mry_take take,
+                                uint64_t frame,
+                                mry_point *points,
+                                size_t capacity,
+                                size_t *out_count,
+                                mry_error *err);
+
+/**
+ * Where the joints are in a frame.
+ *
+ * @param context    The context.
+ * @param take       The take.
+ * @param frame      Which, below frame_count.
+ * @param joints     Where they go; NULL with capacity 0 to ask for the count.
+ * @param capacity   Joints that fit.
+ * @param out_count  Joints of the character.
+ * @param err        Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_ARGUMENT (frame), MRY_E_BUFFER_TOO_SMALL.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_take_read_joints(mry_context *context,
+                                mry_take take,
+                                uint64_t frame,
+                                mry_point *joints,
+                                size_t capacity,
+                                size_t *out_count,
+                                mry_error *err);
+
+/**
+ * How near to the viewer each bone's region is in a frame; larger is nearer.
+ *
+ * @param context    The context.
+ * @param take       The take.
+ * @param frame      Which, below frame_count.
+ * @param depths     Where they go; NULL with capacity 0 to ask for the count.
+ * @param capacity   Depths that fit.
+ * @param out_count  Bones of the character.
+ * @param err        Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_ARGUMENT (frame), MRY_E_BUFFER_TOO_SMALL.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_take_read_depths(mry_context *context,
+                                mry_take take,
+                                uint64_t frame,
+                                int32_t *depths,
+                                size_t capacity,
+                                size_t *out_count,
+                                mry_error *err);
+
+/**
+ * What pictures of a take show: the same rectangle in every frame.
+ *
+ * @param context     The context.
+ * @param take        The take.
+ * @param scale       Pixels a pixel of the drawing; 0 for 1.
+ * @param crop        1 to cut pictures to the drawing's; 0 to show all of every frame.
+ * @param out_width   Pixels across.
+ * @param out_height  Pixels down.
+ * @param out_corner  Where their left upper corner lies, in pixels of the drawing; or NULL.
+ * @param err         Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_ARGUMENT (scale, crop), MRY_E_NON_FINITE, MRY_E_LIMIT (larger than pictures may be).
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_take_measure(mry_context *context,
+                            mry_take take,
+                            float scale,
+                            uint32_t crop,
+                            uint32_t *out_width,
+                            uint32_t *out_height,
+                            mry_point *out_corner,
+                            mry_error *err);
+
+/**
+ * Draws a frame: 4 bytes a pixel, red, green, blue, sRGB, and alpha, which the others are not multiplied by. The same
+ * pixels as in files.
+ *
+ * @param context       The context.
+ * @param take          The take, of a character with its picture.
+ * @param frame         Which, below frame_count.
+ * @param scale         Pixels a pixel of the drawing; 0 for 1.
+ * @param crop          1 to cut the picture to the drawing's; 0 to show all of every frame.
+ * @param pixels        Where the rows go: 4 * width bytes each, as mry_take_measure says.
+ * @param capacity      Bytes at pixels: at least stride_bytes * (height - 1) + 4 * width.
+ * @param stride_bytes  From one row's start to the next's; 0 for rows without gaps. Bytes in gaps are left alone.
+ * @param err           Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_ARGUMENT (frame, scale, crop, stride_bytes), MRY_E_INPUT (no picture), MRY_E_NON_FINITE,
+ *         MRY_E_LIMIT, MRY_E_BUFFER_TOO_SMALL.
+ * Thread: [outside-callbacks]. Since 0.1.
+ */
+MRY_API
+mry_status mry_take_draw_frame(mry_context *context,
+                               mry_take take,
+                               uint64_t frame,
+                               float scale,
+                               uint32_t crop,
+                               uint8_t *pixels,
+                               size_t capacity,
+                               size_t stride_bytes,
+                               mry_error *err);
+
+/**
+ * The report of the job that made the take, as JSON: counts, seconds, warnings, and with a motion which joint followed
+ * what of it.
+ *
+ * @param context   The context.
+ * @param take      The take.
+ * @param text      Where the text goes, UTF-8 with a NUL; NULL with capacity 0 to ask for the size.
+ * @param capacity  Bytes at text.
+ * @param out_size  Bytes needed, with the NUL.
+ * @param err       Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_BUFFER_TOO_SMALL.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_take_get_report(mry_context *context,
+                               mry_take take,
+                               char *text,
+                               size_t capacity,
+                               size_t *out_size,
+                               mry_error *err);
+
+/** @} */
+
+/**
+ * @defgroup take_files Take files
+ *
+ * Take files. What other programs read of a character in motion: pictures, video, glTF, Lottie, and the files of animation
+ * programs. Each appears whole or not at all.
+ * @{
+ */
+
+/**
+ * Fills in a description with struct_size set and everything else zero, for languages without the INIT macros.
+ *
+ * @param desc  Where to write; NULL does nothing.
+ * @param size  sizeof(mry_take_file_desc) as the caller knows it.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+void mry_take_file_desc_init(mry_take_file_desc *desc,
+                             uint32_t size);
+
+/**
+ * Starts writing a take. There is nothing to take; mry_job_get_report names the files.
+ *
+ * @param context  The context.
+ * @param desc     What to write.
+ * @param out_job  The job.
+ * @param err      Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_INPUT (no such format), MRY_E_ARGUMENT (crop, scale, path), MRY_E_NON_FINITE,
+ *         MRY_E_STRUCT_SIZE, MRY_E_STRING.
+ * Lifetime: until mry_job_destroy or the end of the context.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_job_start_take_file(mry_context *context,
+                                   const mry_take_file_desc *desc,
+                                   mry_job *out_job,
+                                   mry_error *err);
+
+/**
+ * Writes a take, and returns when it is done. Work that was started before comes first.
+ *
+ * @param context  The context.
+ * @param desc     What to write.
+ * @param err      Detail of a failure, or NULL.
+ * @return MRY_OK; what mry_job_start_take_file and mry_job_wait return; MRY_E_INPUT (a character without a picture, what
+ *         the format cannot hold), MRY_E_IO.
+ * Thread: [outside-callbacks]. Since 0.1.
+ */
+MRY_API
+mry_status mry_run_take_file(mry_context *context,
+                             const mry_take_file_desc *desc,
+                             mry_error *err);
+
+/** @} */
+
+/**
  * @defgroup job Jobs
  *
  * Jobs. Long work runs on the context's threads while the host goes on: start it, poll or wait, take the result,
@@ -2969,6 +4518,62 @@ mry_status mry_job_take_creature(mry_context *context,
                                  mry_job job,
                                  mry_creature *out_creature,
                                  mry_error *err);
+
+/**
+ * Takes the character that a character job made; once.
+ *
+ * @param context        The context.
+ * @param job            The job.
+ * @param out_character  The character.
+ * @param err            Detail of the job's or the call's failure, or NULL.
+ * @return MRY_OK; MRY_PENDING and MRY_CANCELLED (no output), the error the job ended with, MRY_E_TAKEN, MRY_E_KIND.
+ * Lifetime: until mry_character_destroy or the end of the context; the job may go before.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_job_take_character(mry_context *context,
+                                  mry_job job,
+                                  mry_character *out_character,
+                                  mry_error *err);
+
+/**
+ * Takes the take that a take job made; once.
+ *
+ * @param context   The context.
+ * @param job       The job.
+ * @param out_take  The take.
+ * @param err       Detail of the job's or the call's failure, or NULL.
+ * @return MRY_OK; MRY_PENDING and MRY_CANCELLED (no output), the error the job ended with, MRY_E_TAKEN, MRY_E_KIND.
+ * Lifetime: until mry_take_destroy or the end of the context; the job may go before.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_job_take_take(mry_context *context,
+                             mry_job job,
+                             mry_take *out_take,
+                             mry_error *err);
+
+/**
+ * What a take file job says of its work, as JSON: the files, what their pictures show, how many frames. It can be asked
+ * for again.
+ *
+ * @param context   The context.
+ * @param job       The job.
+ * @param text      Where the text goes, UTF-8 with a NUL; NULL with capacity 0 to ask for the size.
+ * @param capacity  Bytes at text.
+ * @param out_size  Bytes needed, with the NUL.
+ * @param err       Detail of the job's or the call's failure, or NULL.
+ * @return MRY_OK; MRY_PENDING and MRY_CANCELLED (no output), the error the job ended with, MRY_E_KIND,
+ *         MRY_E_BUFFER_TOO_SMALL.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_job_get_report(mry_context *context,
+                              mry_job job,
+                              char *text,
+                              size_t capacity,
+                              size_t *out_size,
+                              mry_error *err);
 
 /**
  * Destroys a job, cancelling it when it has not ended. Returns at once; the work stops behind it.

@@ -629,6 +629,311 @@ public:
   }
 };
 
+/** How a motion is carried over to a character. Lists and texts are copied. */
+struct carrying {
+  /** MRY_ANGLES_RELATIVE or MRY_ANGLES_ABSOLUTE. */
+  std::int32_t angles = MRY_ANGLES_RELATIVE;
+  /** The frame of the motion that the character at rest corresponds to. */
+  std::uint64_t reference = 0;
+  /** Bones change their length up to this factor; 0 for 3. */
+  float stretch = 0.0f;
+  /** What the way of the roots is scaled by; 0 for the ratio of the figures' sizes. */
+  float root_scale = 0.0f;
+  /** Whether the roots stay where they are. */
+  bool in_place = false;
+  /** The text of a map.json; empty to match by names or by likeness. */
+  std::string map;
+  /** Joints that stay where they come down. */
+  std::vector<std::string> planted;
+
+  /** Calls with a description that lives as long. */
+  template <class Call> auto with(Call call) const {
+    std::vector<mry_str> names;
+    for (const std::string &name : planted) {
+      names.push_back(detail::str(name));
+    }
+    mry_retarget_desc desc = MRY_RETARGET_DESC_INIT;
+    desc.angles = angles;
+    desc.reference = reference;
+    desc.stretch = stretch;
+    desc.root_scale = root_scale;
+    desc.in_place = in_place ? 1u : 0u;
+    desc.map = detail::str(map);
+    desc.planted = names.data();
+    desc.planted_count = names.size();
+    return call(&desc);
+  }
+};
+
+/** A character bound to its skeleton: joints in, the mesh out. */
+class poser : public detail::handle<mry_poser, mry_poser_destroy> {
+public:
+  using handle::handle;
+
+  /** The mesh with the joints where they are said to be; `shape` has a place for every vertex. */
+  result<void> pose(const std::vector<mry_point> &joints, std::vector<mry_point> &shape) {
+    return detail::perform([&](mry_error *err) {
+      return mry_poser_pose(c(), id_, joints.data(), joints.size(), shape.data(), shape.size(), err);
+    });
+  }
+  /** The vertices of a pose that a redrawn stretch of the outline moves, and how far, for poses::set_moved. */
+  result<std::vector<std::pair<std::uint32_t, mry_point>>> redraw(const std::vector<mry_point> &joints,
+                                                                  const std::vector<mry_point> &shape,
+                                                                  const std::vector<mry_point> &curve) {
+    std::vector<std::uint32_t> vertices(shape.size());
+    std::vector<mry_point> ways(shape.size());
+    std::size_t count = 0;
+    const auto call = [&](mry_error *err) {
+      return mry_poser_redraw(c(), id_, joints.data(), joints.size(), shape.data(), shape.size(), curve.data(),
+                              curve.size(), vertices.data(), ways.data(), vertices.size(), &count, err);
+    };
+    return detail::perform(call, [&] {
+      std::vector<std::pair<std::uint32_t, mry_point>> moved;
+      for (std::size_t i = 0; i < count; i++) {
+        moved.emplace_back(vertices[i], ways[i]);
+      }
+      return moved;
+    });
+  }
+  /** The same on from the pose before, while the pointer moves: many times as fast, and within a pixel. */
+  result<void> drag(const std::vector<mry_point> &joints, std::vector<mry_point> &shape) {
+    return detail::perform([&](mry_error *err) {
+      return mry_poser_drag(c(), id_, joints.data(), joints.size(), shape.data(), shape.size(), err);
+    });
+  }
+};
+
+/** Key poses of a character over time. */
+class poses : public detail::handle<mry_poses, mry_poses_destroy> {
+public:
+  using handle::handle;
+
+  /** Counts and rate. */
+  result<mry_poses_info> info() const {
+    mry_poses_info info = MRY_POSES_INFO_INIT;
+    return detail::perform([&](mry_error *err) { return mry_poses_get_info(c(), id_, &info, err); },
+                           [&] { return info; });
+  }
+  /** Sets the rate. */
+  result<void> set_rate(double fps, std::uint32_t step = 1) {
+    return detail::perform([&](mry_error *err) { return mry_poses_set_rate(c(), id_, fps, step, err); });
+  }
+  /** Sets the joints of a frame, which becomes a key. */
+  result<void> set_key(std::uint64_t frame, const std::vector<mry_point> &joints,
+                       std::int32_t easing = MRY_EASING_LINEAR) {
+    return detail::perform([&](mry_error *err) {
+      return mry_poses_set_key(c(), id_, frame, joints.data(), joints.size(), easing, err);
+    });
+  }
+  /** Takes a key away. */
+  result<void> remove_key(std::uint64_t frame) {
+    return detail::perform([&](mry_error *err) { return mry_poses_remove_key(c(), id_, frame, err); });
+  }
+  /** The joints of a key, which counts by rising frames. */
+  result<std::vector<mry_point>> key(std::uint64_t index) const {
+    return detail::list<mry_point>([&](mry_point *joints, std::size_t capacity, std::size_t *count, mry_error *err) {
+      return mry_poses_get_key(c(), id_, index, nullptr, nullptr, joints, capacity, count, err);
+    });
+  }
+  /** Sets the vertices that a key drags by hand, in place of those set before. */
+  result<void> set_moved(std::uint64_t frame, const std::vector<std::pair<std::uint32_t, mry_point>> &moved) {
+    std::vector<std::uint32_t> vertices;
+    std::vector<mry_point> ways;
+    for (const auto &[vertex, way] : moved) {
+      vertices.push_back(vertex);
+      ways.push_back(way);
+    }
+    return detail::perform([&](mry_error *err) {
+      return mry_poses_set_moved(c(), id_, frame, vertices.data(), ways.data(), vertices.size(), err);
+    });
+  }
+  /** Sets how near to the viewer a bone's region is from a key to the next. */
+  result<void> set_depth(std::uint64_t frame, std::uint32_t bone, std::int32_t depth) {
+    return detail::perform([&](mry_error *err) { return mry_poses_set_depth(c(), id_, frame, bone, depth, err); });
+  }
+  /** The text of a poses.json. */
+  result<std::string> to_json() const {
+    return detail::text([&](char *text, std::size_t capacity, std::size_t *size, mry_error *err) {
+      return mry_poses_to_json(c(), id_, text, capacity, size, err);
+    });
+  }
+  /** Writes poses.json, whole or not at all. */
+  result<void> write(std::string_view path) const {
+    return detail::perform([&](mry_error *err) { return mry_poses_write(c(), id_, detail::str(path), err); });
+  }
+};
+
+/** A character in every frame. */
+class take : public detail::handle<mry_take, mry_take_destroy> {
+public:
+  using handle::handle;
+
+  /** Counts, rate and bounds. */
+  result<mry_take_info> info() const {
+    mry_take_info info = MRY_TAKE_INFO_INIT;
+    return detail::perform([&](mry_error *err) { return mry_take_get_info(c(), id_, &info, err); },
+                           [&] { return info; });
+  }
+  /** The mesh in a frame. */
+  result<std::vector<mry_point>> points(std::uint64_t frame) const {
+    return detail::list<mry_point>([&](mry_point *points, std::size_t capacity, std::size_t *count, mry_error *err) {
+      return mry_take_read_points(c(), id_, frame, points, capacity, count, err);
+    });
+  }
+  /** The joints in a frame. */
+  result<std::vector<mry_point>> joints(std::uint64_t frame) const {
+    return detail::list<mry_point>([&](mry_point *joints, std::size_t capacity, std::size_t *count, mry_error *err) {
+      return mry_take_read_joints(c(), id_, frame, joints, capacity, count, err);
+    });
+  }
+  /** The text of the report of the job that made it. */
+  result<std::string> report() const {
+    return detail::text([&](char *text, std::size_t capacity, std::size_t *size, mry_error *err) {
+      return mry_take_get_report(c(), id_, text, capacity, size, err);
+    });
+  }
+  /** Writes it in the format that the path's ending says, whole or not at all. */
+  result<void> write(std::string_view path, std::string_view format = {}, float scale = 1.0f) const {
+    mry_take_file_desc desc = MRY_TAKE_FILE_DESC_INIT;
+    desc.take = id_;
+    desc.path = detail::str(path);
+    desc.format = detail::str(format);
+    desc.scale = scale;
+    return detail::perform([&](mry_error *err) { return mry_run_take_file(c(), &desc, err); });
+  }
+};
+
+/** A cut-out drawing with a skeleton. */
+class character : public detail::handle<mry_character, mry_character_destroy> {
+public:
+  using handle::handle;
+
+  /** Size and counts. */
+  result<mry_character_info> info() const {
+    mry_character_info info = MRY_CHARACTER_INFO_INIT;
+    return detail::perform([&](mry_error *err) { return mry_character_get_info(c(), id_, &info, err); },
+                           [&] { return info; });
+  }
+  /** The mesh's vertices at rest. */
+  result<std::vector<mry_point>> vertices() const {
+    return detail::list<mry_point>([&](mry_point *points, std::size_t capacity, std::size_t *count, mry_error *err) {
+      return mry_character_read_vertices(c(), id_, points, nullptr, nullptr, capacity, count, err);
+    });
+  }
+  /** The name of a joint. */
+  result<std::string> joint_name(std::uint32_t joint) const {
+    return detail::text([&](char *text, std::size_t capacity, std::size_t *size, mry_error *err) {
+      return mry_character_get_joint(c(), id_, joint, text, capacity, size, nullptr, err);
+    });
+  }
+  /** The joint of a name. Fails with MRY_E_NOT_FOUND where there is none. */
+  result<std::uint32_t> find_joint(std::string_view name) const {
+    std::uint32_t joint = 0;
+    return detail::perform(
+      [&](mry_error *err) { return mry_character_find_joint(c(), id_, detail::str(name), &joint, err); },
+      [&] { return joint; });
+  }
+  /** Moves all joints at rest. */
+  result<void> set_joints(const std::vector<mry_point> &places) {
+    return detail::perform(
+      [&](mry_error *err) { return mry_character_set_joints(c(), id_, places.data(), places.size(), err); });
+  }
+  /** Adds a joint with a bone from another one to it; gives its index. */
+  result<std::uint32_t> add_joint(std::string_view name, mry_point at, std::uint32_t parent) {
+    std::uint32_t joint = 0;
+    return detail::perform(
+      [&](mry_error *err) { return mry_character_add_joint(c(), id_, detail::str(name), at, parent, &joint, err); },
+      [&] { return joint; });
+  }
+  /** The pose that strokes draw, for joints that were at `from`. */
+  result<std::vector<mry_point>> sketch(const std::vector<mry_point> &from,
+                                        const std::vector<std::vector<mry_point>> &strokes) const {
+    std::vector<mry_point> points, joints(from.size());
+    std::vector<std::uint32_t> lengths;
+    for (const auto &stroke : strokes) {
+      points.insert(points.end(), stroke.begin(), stroke.end());
+      lengths.push_back(static_cast<std::uint32_t>(stroke.size()));
+    }
+    const auto call = [&](mry_error *err) {
+      return mry_character_sketch(c(), id_, from.data(), from.size(), points.data(), lengths.data(), lengths.size(),
+                                  joints.data(), err);
+    };
+    return detail::perform(call, [&] { return std::move(joints); });
+  }
+  /** Brings the hindmost region at a place of a pose before the others there; gives its bone. */
+  result<std::uint32_t> bring_forward(const std::vector<mry_point> &shape, std::vector<std::int32_t> &depths,
+                                      mry_point at) const {
+    std::uint32_t bone = 0;
+    const auto call = [&](mry_error *err) {
+      return mry_character_bring_forward(c(), id_, shape.data(), shape.size(), depths.data(), depths.size(), at, &bone,
+                                         err);
+    };
+    return detail::perform(call, [&] { return bone; });
+  }
+  /** Takes a joint away. */
+  result<void> remove_joint(std::uint32_t joint) {
+    return detail::perform([&](mry_error *err) { return mry_character_remove_joint(c(), id_, joint, err); });
+  }
+  /** The text of a rig.json. */
+  result<std::string> to_json() const {
+    return detail::text([&](char *text, std::size_t capacity, std::size_t *size, mry_error *err) {
+      return mry_character_to_json(c(), id_, text, capacity, size, err);
+    });
+  }
+  /** Writes rig.json, whole or not at all. */
+  result<void> write(std::string_view path) const {
+    return detail::perform([&](mry_error *err) { return mry_character_write(c(), id_, detail::str(path), err); });
+  }
+  /** Binds it, as it is now, to its skeleton. */
+  result<marey::poser> poser(std::string_view deformer = {}, std::int32_t area = MRY_AREA_EXACT) const {
+    return other<marey::poser, mry_poser>([&](mry_poser *id, mry_error *err) {
+      return mry_poser_create(c(), id_, detail::str(deformer), area, id, err);
+    });
+  }
+  /** Key poses for it, without a key. */
+  result<marey::poses> new_poses(double fps = 24.0, std::uint32_t step = 1) const {
+    return other<marey::poses, mry_poses>(
+      [&](mry_poses *id, mry_error *err) { return mry_poses_create(c(), id_, fps, step, id, err); });
+  }
+  /** Reads key poses for it. */
+  result<marey::poses> read_poses(std::string_view path) const {
+    return other<marey::poses, mry_poses>(
+      [&](mry_poses *id, mry_error *err) { return mry_poses_read(c(), id_, detail::str(path), id, err); });
+  }
+  /** A take of key poses. */
+  result<take> play(const marey::poses &poses) const {
+    mry_take_desc desc = MRY_TAKE_DESC_INIT;
+    desc.poses = poses.id();
+    return other<take, mry_take>([&](mry_take *id, mry_error *err) { return mry_run_take(c(), &desc, id, err); });
+  }
+  /** A take of a motion. */
+  result<take> play(const motion &motion, const carrying &how = {}) const {
+    return how.with([&](const mry_retarget_desc *carried) {
+      mry_take_desc desc = MRY_TAKE_DESC_INIT;
+      desc.character = id_;
+      desc.motion = motion.id();
+      desc.retarget = carried;
+      return other<take, mry_take>([&](mry_take *id, mry_error *err) { return mry_run_take(c(), &desc, id, err); });
+    });
+  }
+  /** The motion of its joints that another motion leads to. */
+  result<marey::motion> retarget(const motion &motion, const carrying &how = {}) const {
+    return how.with([&](const mry_retarget_desc *carried) {
+      return other<marey::motion, mry_motion>([&](mry_motion *id, mry_error *err) {
+        return mry_motion_retarget(c(), motion.id(), id_, carried, id, err);
+      });
+    });
+  }
+  /** Which of its joints follows what of a motion, as the text of a map.json. */
+  result<std::string> match(const motion &motion, const carrying &how = {}) const {
+    return how.with([&](const mry_retarget_desc *carried) {
+      return detail::text([&](char *text, std::size_t capacity, std::size_t *size, mry_error *err) {
+        return mry_motion_match(c(), motion.id(), id_, carried, text, capacity, size, err);
+      });
+    });
+  }
+};
+
 /** A mesh bound to its handles. */
 class deformation : public detail::handle<mry_deformation, mry_deformation_destroy> {
 public:
@@ -1039,6 +1344,23 @@ public:
   result<session> replay(std::string_view path, std::uint64_t most = UINT64_MAX) const {
     return make<session, mry_session>([&](mry_session *id, mry_error *err) {
       return mry_session_replay(get(), detail::str(path), most, id, err);
+    });
+  }
+  /** Makes a character. Start from MRY_CHARACTER_DESC_INIT. */
+  result<character> run_character(const mry_character_desc &desc) const {
+    return make<character, mry_character>(
+      [&](mry_character *id, mry_error *err) { return mry_run_character(get(), &desc, id, err); });
+  }
+  /** Makes a character of a drawing, with a mesh and a skeleton that are proposed. */
+  result<character> draw(std::string_view picture) const {
+    mry_character_desc desc = MRY_CHARACTER_DESC_INIT;
+    desc.picture = detail::str(picture);
+    return run_character(desc);
+  }
+  /** Reads a BVH file: MRY_VIEW_FRONT, ... */
+  result<motion> read_bvh(std::string_view path, std::int32_t view = MRY_VIEW_FRONT) const {
+    return make<motion, mry_motion>([&](mry_motion *id, mry_error *err) {
+      return mry_motion_read_bvh(get(), detail::str(path), view, 0, id, err);
     });
   }
   /** Binds a mesh to handles. Start from MRY_DEFORM_DESC_INIT. */

@@ -17,7 +17,7 @@
 
 #include <marey/marey.h>
 
-enum { CLIP, RIG, MOTION, MASKS, CREATURE, JOB, MAP, SESSION, DEFORMATION, KINDS };
+enum { CLIP, RIG, MOTION, MASKS, CREATURE, JOB, MAP, SESSION, DEFORMATION, CHARACTER, POSER, POSES, TAKE, KINDS };
 enum { PLACES = 6, BYTES = 1 << 15 };
 
 typedef struct soak {
@@ -53,6 +53,10 @@ static mry_status end(soak *s, int kind, uint64_t v) {
     case JOB: return mry_job_destroy(s->context, (mry_job){ v });
     case SESSION: return mry_session_destroy(s->context, (mry_session){ v });
     case DEFORMATION: return mry_deformation_destroy(s->context, (mry_deformation){ v });
+    case CHARACTER: return mry_character_destroy(s->context, (mry_character){ v });
+    case POSER: return mry_poser_destroy(s->context, (mry_poser){ v });
+    case POSES: return mry_poses_destroy(s->context, (mry_poses){ v });
+    case TAKE: return mry_take_destroy(s->context, (mry_take){ v });
     default: return mry_unmap(s->context, (mry_map){ v });
   }
 }
@@ -358,13 +362,228 @@ static mry_status deform(soak *s) {
   return status;
 }
 
+/* A drawing of two bars that cross, mostly; now and then nothing, or a whole sheet. */
+static mry_status make_character(soak *s) {
+  static unsigned char pixels[48 * 40 * 4];
+  char name[300];
+  mry_character character = { id(s, CHARACTER) }, made = { 0 };
+  mry_character_desc desc = MRY_CHARACTER_DESC_INIT;
+  mry_image_view view = MRY_IMAGE_VIEW_INIT;
+  mry_status status;
+  if (below(s, 2) == 0) {
+    status = mry_character_copy(s->context, character, &made, ERR);
+    keep(s, CHARACTER, made.v);
+    return status;
+  }
+  const uint32_t what = below(s, 12), thick = 2 + below(s, 6);
+  for (uint32_t i = 0; i < 48 * 40; i++) {
+    const uint32_t x = i % 48, y = i / 48;
+    const int inside = what == 0 ? 0 : what == 1 ? 1 : (y > 18 && y < 19 + thick && x > 3 && x < 44) || (x > 20 && x < 21 + thick && y > 3 && y < 36);
+    pixels[4 * i] = (unsigned char)x;
+    pixels[4 * i + 3] = inside ? 255 : 0;
+  }
+  SIZED(mry_image_view, &view);
+  view.format = below(s, 20) == 0 ? (int32_t)number(s, 4) : MRY_FORMAT_RGBA8;
+  view.width = 48;
+  view.height = 40;
+  view.stride_bytes = below(s, 20) == 0 ? number(s, 190) % 192 : 0;
+  view.data = below(s, 60) == 0 ? NULL : pixels;
+  SIZED(mry_character_desc, &desc);
+  desc.vertices = below(s, 30) == 0 ? (uint32_t)next(s) | 1u << 20 : number(s, 200) % 300;
+  desc.finer_at_joints = below(s, 4) == 0 ? real(s) : 0.0f;
+  desc.pixels = &view;
+  if (below(s, 8) == 0) {
+    desc.rig = place(s, name, ".json");
+  }
+  if (below(s, 9) == 0) {
+    desc.rig_json = text(s);
+  }
+  status = mry_run_character(s->context, &desc, &made, ERR);
+  keep(s, CHARACTER, made.v);
+  return status;
+}
+
+static mry_status use_character(soak *s) {
+  mry_point p[8], at = { real(s), real(s) };
+  char name[300];
+  mry_character character = { id(s, CHARACTER) };
+  mry_character_info info = MRY_CHARACTER_INFO_INIT;
+  uint32_t a = 0, b = 0;
+  size_t count = 0;
+  switch (below(s, 14)) {
+    case 0: SIZED(mry_character_info, &info); return mry_character_get_info(s->context, character, &info, ERR);
+    case 1:
+      return mry_character_read_vertices(s->context, character, out(s), NULL, NULL, room(s, sizeof(mry_point)), &count, ERR);
+    case 2: return mry_character_read_triangles(s->context, character, out(s), room(s, 12), &count, ERR);
+    case 3: return mry_character_to_json(s->context, character, out(s), room(s, 1), &count, ERR);
+    case 4: return mry_character_write(s->context, character, place(s, name, ".json"), ERR);
+    case 5: return below(s, 9) == 0 ? mry_character_write_preview(s->context, character, place(s, name, ".png"), ERR) : MRY_OK;
+    case 6: return mry_character_get_joint(s->context, character, number(s, 9), out(s), room(s, 1), &count, &at, ERR);
+    case 7: return mry_character_get_bone(s->context, character, number(s, 9), &a, &b, ERR);
+    case 8: return mry_character_set_joints(s->context, character, points(s, p), below(s, 9), ERR);
+    case 9: return mry_character_rename_joint(s->context, character, number(s, 9), text(s), ERR);
+    case 10: return mry_character_add_joint(s->context, character, text(s), at, number(s, 9), &a, ERR);
+    case 11: return mry_character_split_bone(s->context, character, text(s), at, number(s, 9), &a, ERR);
+    case 12: return mry_character_remove_joint(s->context, character, number(s, 9), ERR);
+    default: return mry_character_on_curve(s->context, character, at, &at, ERR);
+  }
+}
+
+/* Joints near where they rest, mostly. */
+static size_t joints(soak *s, mry_character character, mry_point p[32]) {
+  mry_character_info info = MRY_CHARACTER_INFO_INIT;
+  char name[8];
+  size_t size = 0;
+  if (mry_character_get_info(s->context, character, &info, NULL) != MRY_OK || info.joint_count > 32) {
+    return below(s, 9);
+  }
+  for (uint32_t i = 0; i < info.joint_count; i++) {
+    mry_character_get_joint(s->context, character, i, name, 0, &size, &p[i], NULL);
+    p[i].x += real(s) / 9.0f;
+    p[i].y += real(s) / 9.0f;
+  }
+  return below(s, 20) == 0 ? number(s, 9) % 32 : info.joint_count;
+}
+
+static mry_status animate(soak *s) {
+  mry_point p[32], ways[8];
+  char name[300];
+  uint32_t vertices[8];
+  memset(p, 0, sizeof p);
+  memset(ways, 0, sizeof ways);
+  mry_character character = { id(s, CHARACTER) };
+  mry_poser poser = { id(s, POSER) };
+  mry_poses poses = { id(s, POSES) };
+  mry_poses_info info = MRY_POSES_INFO_INIT;
+  uint64_t key_frame = 0;
+  size_t key_count = 0;
+  int32_t depths[32] = { 0 };
+  int32_t easing = 0;
+  size_t count = joints(s, character, p);
+  mry_status status;
+  for (int i = 0; i < 8; i++) {
+    vertices[i] = number(s, 99);
+  }
+  switch (below(s, 17)) {
+    case 14: {
+      uint32_t lengths[2] = { below(s, 8), number(s, 8) };
+      return mry_character_sketch(s->context, character, below(s, 2) == 0 ? NULL : p, count, points(s, ways), lengths, 1 + below(s, 2), out(s), ERR);
+    }
+    case 15: {
+      static mry_point shape[4096];
+      mry_character_read_vertices(s->context, character, shape, NULL, NULL, 4096, &key_count, NULL);
+      return below(s, 2) == 0 ? mry_character_read_overlaps(s->context, character, shape, key_count, NULL, 0, out(s), room(s, sizeof(mry_overlap)), &count, ERR)
+                              : mry_character_bring_forward(s->context, character, shape, key_count, depths, number(s, 32) % 32, ways[0], vertices, ERR);
+    }
+    case 16: {
+      static mry_point shape[4096];
+      mry_poser_pose(s->context, poser, p, count, shape, 4096, NULL);
+      mry_character_read_vertices(s->context, character, NULL, NULL, NULL, 0, &key_count, NULL);
+      return mry_poser_redraw(s->context, poser, p, count, shape, key_count % 4096, points(s, ways), below(s, 9) % 8, out(s), NULL, room(s, 4), &count, ERR);
+    }
+    case 0:
+      poser.v = 0;
+      status = mry_poser_create(s->context, character, below(s, 4) == 0 ? text(s) : MRY_STR(below(s, 2) == 0 ? "" : "arap"),
+                                (int32_t)number(s, 4), &poser, ERR);
+      keep(s, POSER, poser.v);
+      return status;
+    case 1:
+    case 2:
+      if (below(s, 2) == 0) {
+        return mry_poser_drag(s->context, poser, p, count, out(s), room(s, sizeof(mry_point)), ERR);
+      }
+      return mry_poser_pose(s->context, poser, p, count, out(s), room(s, sizeof(mry_point)), ERR);
+    case 3:
+      poses.v = 0;
+      status = mry_poses_create(s->context, character, (double)real(s), number(s, 4), &poses, ERR);
+      keep(s, POSES, poses.v);
+      return status;
+    case 4: return mry_poses_set_rate(s->context, poses, (double)real(s), number(s, 4), ERR);
+    case 5:
+    case 6: return mry_poses_set_key(s->context, poses, frame(s), p, count, (int32_t)number(s, 6), ERR);
+    case 7: return mry_poses_remove_key(s->context, poses, frame(s), ERR);
+    case 8:
+      return mry_poses_get_key(s->context, poses, frame(s), &key_frame, &easing, out(s), room(s, sizeof(mry_point)), &count, ERR);
+    case 9: return mry_poses_set_moved(s->context, poses, frame(s), vertices, points(s, ways), below(s, 8), ERR);
+    case 10: return mry_poses_get_moved(s->context, poses, frame(s), out(s), NULL, room(s, 4), &count, ERR);
+    case 11: return mry_poses_set_depth(s->context, poses, frame(s), number(s, 9), (int32_t)next(s), ERR);
+    case 12: SIZED(mry_poses_info, &info); return mry_poses_get_info(s->context, poses, &info, ERR);
+    default:
+      if (below(s, 2) == 0) {
+        return mry_poses_write(s->context, poses, place(s, name, ".json"), ERR);
+      }
+      poses.v = 0;
+      status = mry_poses_read(s->context, character, place(s, name, ".json"), &poses, ERR);
+      keep(s, POSES, poses.v);
+      return status;
+  }
+}
+
+static mry_retarget_desc retargeting(soak *s, mry_str planted[2]) {
+  mry_retarget_desc desc = MRY_RETARGET_DESC_INIT;
+  SIZED(mry_retarget_desc, &desc);
+  desc.angles = (int32_t)number(s, 3);
+  desc.reference = below(s, 3) == 0 ? frame(s) : 0;
+  desc.stretch = below(s, 3) == 0 ? real(s) : 0.0f;
+  desc.root_scale = below(s, 3) == 0 ? real(s) : 0.0f;
+  desc.map = below(s, 9) == 0 ? text(s) : MRY_STR("");
+  planted[0] = text(s);
+  planted[1] = text(s);
+  desc.planted = planted;
+  desc.planted_count = below(s, 9) == 0 ? below(s, 3) : 0;
+  return desc;
+}
+
+static mry_status use_take(soak *s) {
+  char name[300];
+  mry_str planted[2];
+  mry_take take = { id(s, TAKE) };
+  mry_take_info info = MRY_TAKE_INFO_INIT;
+  mry_take_desc desc = MRY_TAKE_DESC_INIT;
+  mry_motion motion = { id(s, MOTION) }, made = { 0 };
+  mry_character character = { id(s, CHARACTER) };
+  const mry_retarget_desc how = retargeting(s, planted);
+  size_t count = 0;
+  mry_status status;
+  switch (below(s, 11)) {
+    case 0: SIZED(mry_take_info, &info); return mry_take_get_info(s->context, take, &info, ERR);
+    case 1: return mry_take_read_points(s->context, take, frame(s), out(s), room(s, sizeof(mry_point)), &count, ERR);
+    case 2: return mry_take_read_joints(s->context, take, frame(s), out(s), room(s, sizeof(mry_point)), &count, ERR);
+    case 3: return mry_take_read_depths(s->context, take, frame(s), out(s), room(s, 4), &count, ERR);
+    case 10:
+      return mry_take_draw_frame(s->context, take, frame(s), below(s, 9) == 0 ? real(s) : 0.5f, number(s, 2), out(s), room(s, 1), number(s, 400), ERR);
+    case 4: return mry_take_get_report(s->context, take, out(s), room(s, 1), &count, ERR);
+    case 5: status = mry_motion_retarget(s->context, motion, character, &how, &made, ERR); break;
+    case 6: return mry_motion_match(s->context, motion, character, &how, out(s), room(s, 1), &count, ERR);
+    case 7: return mry_motion_write_bvh(s->context, motion, place(s, name, ".bvh"), ERR);
+    case 8: status = mry_motion_read_bvh(s->context, place(s, name, ".bvh"), (int32_t)number(s, 5), number(s, 99), &made, ERR); break;
+    default:
+      take.v = 0;
+      SIZED(mry_take_desc, &desc);
+      desc.area = (int32_t)number(s, 4);
+      if (below(s, 2) == 0) {
+        desc.poses.v = id(s, POSES);
+      } else {
+        desc.character = character;
+        desc.motion = motion;
+      }
+      desc.deformer = below(s, 9) == 0 ? text(s) : MRY_STR("");
+      desc.retarget = below(s, 2) == 0 ? &how : NULL;
+      status = mry_run_take(s->context, &desc, &take, ERR);
+      keep(s, TAKE, take.v);
+      return status;
+  }
+  keep(s, MOTION, made.v);
+  return status;
+}
+
 static mry_status start_job(soak *s) {
   char name[300];
   mry_job job = { 0 };
   mry_status status;
   mry_clip clip = { id(s, CLIP) };
   mry_rig rig = { id(s, RIG) };
-  switch (below(s, 5)) {
+  switch (below(s, 7)) {
     case 0: status = mry_job_start_open(s->context, MRY_STR(s->clip), NULL, &job, ERR); break;
     case 1: {
       mry_track_desc desc = MRY_TRACK_DESC_INIT;
@@ -394,6 +613,22 @@ static mry_status start_job(soak *s) {
       status = mry_job_start_export(s->context, &desc, &job, ERR);
       break;
     }
+    case 4: {
+      mry_take_desc desc = MRY_TAKE_DESC_INIT;
+      desc.poses.v = id(s, POSES);
+      status = mry_job_start_take(s->context, &desc, &job, ERR);
+      break;
+    }
+    case 5: {
+      static const char *const formats[] = { "png-dir", "sprite-sheet", "gif", "apng", "webp", "mp4", "glb", "lottie", "spine", "dragonbones" };
+      mry_take_file_desc desc = MRY_TAKE_FILE_DESC_INIT;
+      desc.take.v = id(s, TAKE);
+      desc.path = place(s, name, ".take");
+      desc.format = MRY_STR(formats[below(s, 10)]);
+      desc.scale = below(s, 9) == 0 ? real(s) : 0.0f;
+      status = mry_job_start_take_file(s->context, &desc, &job, ERR);
+      break;
+    }
     default: {
       mry_creature_desc desc = MRY_CREATURE_DESC_INIT;
       desc.clip = clip;
@@ -414,20 +649,28 @@ static mry_status use_job(soak *s) {
   mry_motion motion = { 0 };
   mry_masks masks = { 0 };
   mry_creature creature = { 0 };
+  mry_character character = { 0 };
+  mry_take take = { 0 };
+  size_t count = 0;
   mry_status status;
-  switch (below(s, 8)) {
+  switch (below(s, 11)) {
     case 0: return below(s, 20) == 0 ? mry_job_cancel(s->context, job, ERR) : MRY_OK;
     case 1: return mry_job_wait(s->context, job, below(s, 4) == 0 ? UINT64_C(20000000) : 0, ERR);
     case 2: status = mry_job_take_clip(s->context, job, &clip, ERR); break;
     case 3: status = mry_job_take_motion(s->context, job, &motion, ERR); break;
     case 4: status = mry_job_take_masks(s->context, job, &masks, ERR); break;
     case 5: status = mry_job_take_creature(s->context, job, &creature, ERR); break;
+    case 6: status = mry_job_take_character(s->context, job, &character, ERR); break;
+    case 7: status = mry_job_take_take(s->context, job, &take, ERR); break;
+    case 8: return mry_job_get_report(s->context, job, out(s), room(s, 1), &count, ERR);
     default: SIZED(mry_job_state, &state); return mry_job_poll(s->context, job, &state, ERR);
   }
   keep(s, CLIP, clip.v);
   keep(s, MOTION, motion.v);
   keep(s, MASKS, masks.v);
   keep(s, CREATURE, creature.v);
+  keep(s, CHARACTER, character.v);
+  keep(s, TAKE, take.v);
   return status;
 }
 
@@ -500,6 +743,12 @@ static mry_status one(soak *s) {
   }
   if (dice < 8) {
     return use_session(s);
+  }
+  if (dice < 10) {
+    return make_character(s);
+  }
+  if (dice < 56) {
+    return dice < 24 ? use_character(s) : dice < 46 ? animate(s) : use_take(s);
   }
   switch (dice % 8) {
     case 7: return deform(s);

@@ -1,5 +1,5 @@
-//! The article docs/c/first-host.md, taken at its word: its programs are built from an installed prefix and nothing
-//! else, by make with pkg-config and by CMake, shared and static, and run.
+//! The articles docs/c/first-host.md and characters.md, taken at their word: their programs are built from an installed
+//! prefix and nothing else, by make with pkg-config, the first also by CMake and static, and run.
 
 use std::path::Path;
 
@@ -57,6 +57,23 @@ pub(crate) fn run(prefix: &Path, sample: &Sample) -> Result<()> {
     let said = String::from_utf8_lossy(&refused.stderr);
     ensure!(!refused.status.success() && said.contains("/no/such/clip.mp4"), "the first host's error: {said}");
     say("first-host.md: its programs build by make and CMake, shared and static, and make the same creature");
+    characters(&pkgconfig)
+}
+
+/// The program of characters.md makes a GIF of the bundled drawing.
+fn characters(pkgconfig: &Path) -> Result<()> {
+    let article = std::fs::read_to_string(root().join("docs/c/characters.md"))?;
+    let folder = fresh("characters")?;
+    std::fs::write(folder.join("first.c"), block(&article, "c")?)?;
+    std::fs::write(folder.join("Makefile"), MAKEFILE)?;
+    read(program("make").arg("shared_c").current_dir(&folder).env("PKG_CONFIG_PATH", pkgconfig))?;
+    let (made, drawing) = (folder.join("child.gif"), root().join("data/characters/child/drawing.png"));
+    read(host(&folder.join("shared_c")).args([&drawing, &made]))?;
+    ensure!(std::fs::read(&made)?.starts_with(b"GIF89a"), "characters.md: no GIF");
+    let refused = host(&folder.join("shared_c")).args(["/no/such/drawing.png", "x.gif"]).output()?;
+    let said = String::from_utf8_lossy(&refused.stderr);
+    ensure!(!refused.status.success() && said.contains("/no/such/drawing.png"), "characters.md's error: {said}");
+    say("characters.md: its program makes a GIF of a drawing");
     Ok(())
 }
 
@@ -64,5 +81,5 @@ pub(crate) fn run(prefix: &Path, sample: &Sample) -> Result<()> {
 fn block<'a>(article: &'a str, language: &str) -> Result<&'a str> {
     let start = format!("```{language}\n");
     let code = article.split_once(&start).and_then(|(_, rest)| rest.split_once("```")).map(|(code, _)| code);
-    code.with_context(|| format!("first-host.md has no {language}"))
+    code.with_context(|| format!("the article has no {language}"))
 }

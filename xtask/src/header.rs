@@ -14,7 +14,7 @@ use cbindgen::{Builder, Config, DocumentationStyle, EnumConfig, ExportConfig, Fu
 use crate::shell::{root, say};
 
 /// The files of ffi/src in the order a reader meets them.
-const FILES: [&str; 40] = [
+const FILES: [&str; 48] = [
     "version.rs",
     "status.rs",
     "string.rs",
@@ -39,6 +39,14 @@ const FILES: [&str; 40] = [
     "maps.rs",
     "creature_files.rs",
     "deforming.rs",
+    "character.rs",
+    "skeleton.rs",
+    "posing.rs",
+    "redrawing.rs",
+    "poses.rs",
+    "retargeting.rs",
+    "take.rs",
+    "take_files.rs",
     "job.rs",
     "opening.rs",
     "tracking.rs",

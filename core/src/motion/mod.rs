@@ -3,6 +3,7 @@
 mod blend;
 pub mod bvh;
 mod edit;
+pub mod matching;
 mod motion_file;
 pub mod retarget;
 

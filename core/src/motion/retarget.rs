@@ -14,6 +14,7 @@ use std::collections::BTreeMap;
 
 use glam::{DVec2, Vec2};
 
+use super::matching::{listed, unlike};
 use super::{Motion, Track, TrackFrame, TrackKind};
 use crate::error::{Error, Result};
 
@@ -36,6 +37,16 @@ pub struct SourcePlace {
     /// How far along its points, by their length in the reference frame: 0..=1. Nothing changes for tracks of one point.
     #[serde(default)]
     pub along: f32,
+    /// With another track, `along` is the share of the way from this one's first point to that one's.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub toward: Option<String>,
+}
+
+impl SourcePlace {
+    /// The first point of a track.
+    pub fn of(track: &str) -> Self {
+        Self { track: track.into(), along: 0.0, toward: None }
+    }
 }
 
 /// Several joints on one stroke, in order, by the length of the bones between them.
@@ -120,9 +131,10 @@ pub fn retarget(
     if !(params.stretch >= 1.0 && params.stretch.is_finite() && scale_ok) {
         return Err(Error::invalid("stretch or root scale", "is out of range", "give a stretch of 1 or more"));
     }
-    let places = places(motion, &skeleton, map, params.reference)?;
+    let places = map.places(motion, &skeleton)?;
     // Source places by joint and frame.
-    let source: Vec<Option<Vec<DVec2>>> = places.iter().map(|p| p.as_ref().map(|p| p.over(motion))).collect();
+    let over = |p: &Option<SourcePlace>| Some(find(motion, p.as_ref()?, params.reference)?.over(motion));
+    let source: Vec<Option<Vec<DVec2>>> = places.iter().map(over).collect();
     let rest: Vec<DVec2> = skeleton.joints.iter().map(|j| j.1.as_dvec2()).collect();
     let parent_of: Vec<Option<usize>> =
         skeleton.bones.iter().map(|b| skeleton.bones.iter().position(|p| p[1] == b[0])).collect();
@@ -142,8 +154,7 @@ pub fn retarget(
         }
     }
     if theirs <= 0.0 {
-        let remedy = "name the tracks that its joints follow in the map";
-        return Err(Error::invalid("skeleton", "has no bone whose both ends follow the motion", remedy));
+        return Err(unlike(motion, &skeleton));
     }
     let scale = params.root_scale.unwrap_or(own / theirs);
     let turns: Vec<Option<Vec<f64>>> =
@@ -218,85 +229,99 @@ pub fn retarget(
     })
 }
 
-/// A place of a track, found: which points, and how far between them.
+/// A place of a track, found: between a point of one and a point of the same or another.
 struct Found<'a> {
-    track: &'a Track,
-    point: usize,
+    from: (&'a Track, usize),
+    to: (&'a Track, usize),
     share: f64,
 }
 
 impl Found<'_> {
     fn over(&self, motion: &Motion) -> Vec<DVec2> {
-        let at = |f: &TrackFrame| {
-            let a = f.points[self.point].as_dvec2();
-            if self.share == 0.0 { a } else { a.lerp(f.points[self.point + 1].as_dvec2(), self.share) }
+        let place = |(track, point): (&Track, usize), f: usize| track.frames[f].points[point].as_dvec2();
+        let at = |f| match self.share {
+            0.0 => place(self.from, f),
+            share => place(self.from, f).lerp(place(self.to, f), share),
         };
-        self.track.frames.iter().take(motion.frames).map(at).collect()
+        (0..motion.frames).map(at).collect()
     }
 }
 
-/// The source place of each joint.
-fn places<'a>(
-    motion: &'a Motion,
-    skeleton: &RestSkeleton<'_>,
-    map: &RetargetMap,
-    reference: usize,
-) -> Result<Vec<Option<Found<'a>>>> {
-    let joint = |name: &str| {
-        skeleton.joints.iter().position(|j| j.0 == name).ok_or_else(|| {
-            Error::invalid(format!("map of joint `{name}`"), "names no joint of the skeleton", "check the map")
-        })
-    };
-    let find = |place: &SourcePlace| -> Result<Found<'a>> {
-        let Some(track) = motion.track(&place.track) else {
-            let problem = "names no track of the motion";
-            return Err(Error::invalid(format!("map to track `{}`", place.track), problem, "check the map"));
+impl RetargetMap {
+    /// The source place of each joint: its own, along a chain, or the track of its name.
+    ///
+    /// # Errors
+    /// A joint or a track that is not there, with the names of those that are; a share outside 0..=1.
+    pub fn places(&self, motion: &Motion, skeleton: &RestSkeleton<'_>) -> Result<Vec<Option<SourcePlace>>> {
+        let joint = |name: &str| {
+            let joints = || listed(skeleton.joints.iter().map(|j| j.0.as_str()));
+            skeleton.joints.iter().position(|j| j.0 == name).ok_or_else(|| {
+                let problem = format!("names no joint of the skeleton, whose joints are {}", joints());
+                Error::invalid(format!("map of joint `{name}`"), problem, "check the map")
+            })
         };
-        if !(0.0..=1.0).contains(&place.along) {
-            return Err(Error::invalid(
-                format!("map to track `{}`", place.track),
-                "`along` is not in 0..=1",
-                "correct it",
-            ));
-        }
-        let points = &track.frames[reference].points;
-        if points.is_empty() {
-            return Err(Error::invalid(format!("track `{}`", place.track), "has no points", "leave it out of the map"));
-        }
-        let steps: Vec<f64> = points.windows(2).map(|p| p[0].as_dvec2().distance(p[1].as_dvec2())).collect();
-        let mut left = steps.iter().sum::<f64>() * f64::from(place.along);
-        for (point, step) in steps.iter().enumerate() {
-            if left < *step {
-                return Ok(Found { track, point, share: left / step });
+        let checked = |place: &SourcePlace| {
+            let wrong = |problem: String| {
+                let what = format!("map to track `{}`", place.track);
+                Err(Error::invalid(what, problem, "check the map"))
+            };
+            if let Some(missing) =
+                std::iter::once(&place.track).chain(&place.toward).find(|t| motion.track(t).is_none())
+            {
+                let tracks = listed(motion.tracks.iter().map(|t| t.name.as_str()));
+                return wrong(format!("`{missing}` is no track of the motion, whose tracks are {tracks}"));
             }
-            left -= step;
+            if !(0.0..=1.0).contains(&place.along) {
+                return wrong("`along` is not in 0..=1".into());
+            }
+            Ok(Some(place.clone()))
+        };
+        let own = |(name, _): &(String, Vec2)| {
+            motion.track(name).filter(|t| t.kind != TrackKind::Stroke).map(|t| SourcePlace::of(&t.name))
+        };
+        let mut places: Vec<Option<SourcePlace>> = skeleton.joints.iter().map(own).collect();
+        for chain in &self.chains {
+            let joints: Vec<usize> = chain.joints.iter().map(|n| joint(n)).collect::<Result<_>>()?;
+            let at = |j: usize| skeleton.joints[j].1.as_dvec2();
+            let mut lengths = vec![0.0];
+            for pair in joints.windows(2) {
+                lengths.push(lengths[lengths.len() - 1] + at(pair[0]).distance(at(pair[1])));
+            }
+            let total: f64 = lengths[lengths.len() - 1];
+            for (j, length) in joints.into_iter().zip(lengths) {
+                let along = if total > 0.0 { length / total } else { 0.0 };
+                let along = (if chain.reversed { 1.0 - along } else { along }) as f32;
+                places[j] = checked(&SourcePlace { along, ..SourcePlace::of(&chain.track) })?;
+            }
         }
-        Ok(Found { track, point: if place.along > 0.0 { points.len() - 1 } else { 0 }, share: 0.0 })
-    };
-    let mut found: Vec<Option<Found<'a>>> = Vec::new();
-    for (name, _) in skeleton.joints {
-        let own = SourcePlace { track: name.clone(), along: 0.0 };
-        let same = motion.track(name).filter(|t| t.kind != TrackKind::Stroke);
-        found.push(same.map(|_| find(&own)).transpose()?);
-    }
-    for chain in &map.chains {
-        let joints: Vec<usize> = chain.joints.iter().map(|n| joint(n)).collect::<Result<_>>()?;
-        let at = |j: usize| skeleton.joints[j].1.as_dvec2();
-        let mut lengths = vec![0.0];
-        for pair in joints.windows(2) {
-            lengths.push(lengths[lengths.len() - 1] + at(pair[0]).distance(at(pair[1])));
+        for (name, place) in &self.joints {
+            places[joint(name)?] = checked(place)?;
         }
-        let total: f64 = lengths[lengths.len() - 1];
-        for (j, length) in joints.into_iter().zip(lengths) {
-            let along = if total > 0.0 { length / total } else { 0.0 };
-            let along = (if chain.reversed { 1.0 - along } else { along }) as f32;
-            found[j] = Some(find(&SourcePlace { track: chain.track.clone(), along })?);
+        Ok(places)
+    }
+}
+
+/// Where a place is, by the lengths in the reference frame; `None` for a track without points.
+fn find<'a>(motion: &'a Motion, place: &SourcePlace, reference: usize) -> Option<Found<'a>> {
+    let track = motion.track(&place.track)?;
+    let points = &track.frames[reference].points;
+    let whole = |point: usize, share: f64| Found { from: (track, point), to: (track, point + 1), share };
+    if points.is_empty() {
+        return None;
+    }
+    if let Some(toward) = &place.toward {
+        let to = (motion.track(toward)?, 0);
+        return Some(Found { from: (track, 0), to, share: f64::from(place.along) });
+    }
+    let steps: Vec<f64> = points.windows(2).map(|p| p[0].as_dvec2().distance(p[1].as_dvec2())).collect();
+    let mut left = steps.iter().sum::<f64>() * f64::from(place.along);
+    for (point, step) in steps.iter().enumerate() {
+        if left < *step {
+            return Some(whole(point, left / step));
         }
+        left -= step;
     }
-    for (name, place) in &map.joints {
-        found[joint(name)?] = Some(find(place)?);
-    }
-    Ok(found)
+    Some(whole(if place.along > 0.0 { points.len() - 1 } else { 0 }, 0.0))
 }
 
 /// The angle from `a` to `b`, to the last digit near zero too.
@@ -500,16 +525,10 @@ mod tests {
         assert!(at("ring").distance(vec2(10.0, 10.0) + turn.rotate(vec2(10.0, 100.0))) < 1e-3);
         for map in [
             RetargetMap::default(),
+            RetargetMap { joints: [("nose".to_string(), SourcePlace::of("tail"))].into(), ..RetargetMap::default() },
+            RetargetMap { joints: [("tip".to_string(), SourcePlace::of("fin"))].into(), ..RetargetMap::default() },
             RetargetMap {
-                joints: [("nose".to_string(), SourcePlace { track: "tail".into(), along: 0.0 })].into(),
-                ..RetargetMap::default()
-            },
-            RetargetMap {
-                joints: [("tip".to_string(), SourcePlace { track: "fin".into(), along: 0.0 })].into(),
-                ..RetargetMap::default()
-            },
-            RetargetMap {
-                joints: [("tip".to_string(), SourcePlace { track: "tail".into(), along: 7.0 })].into(),
+                joints: [("tip".to_string(), SourcePlace { along: 7.0, ..SourcePlace::of("tail") })].into(),
                 ..RetargetMap::default()
             },
         ] {

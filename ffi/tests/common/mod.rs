@@ -90,7 +90,61 @@ pub(crate) fn write_clip(folder: &Path) {
 pub(crate) const STROKES: &str = r#"{"format":"marey-strokes","version":1,"size":[96,64],"limbs":[{"label":"body"}],
     "keyframes":[{"frame":0,"strokes":[{"limb":"body","points":[[33,32],[57,32]]}]}]}"#;
 
+/// The rig of a small character: a bar of 40 by 8 pixels with three joints along it.
+pub(crate) fn bar_rig() -> String {
+    let (columns, rows) = (11, 3);
+    let points: Vec<String> =
+        (0..columns * rows).map(|i| format!("[{}, {}]", 4 + 4 * (i % columns), 6 + 4 * (i / columns))).collect();
+    let triangles: Vec<String> = (0..(columns - 1) * (rows - 1))
+        .map(|i| {
+            let a = i / (columns - 1) * columns + i % (columns - 1);
+            let c = a + columns;
+            format!("[{a}, {}, {}], [{a}, {}, {c}]", a + 1, c + 1, c + 1)
+        })
+        .collect();
+    format!(
+        r#"{{"format": "marey-rig", "version": 1, "size": [48, 20], "mesh": {{"points": [{}], "triangles": [{}]}},
+        "joints": [{{"name": "a", "at": [6, 10]}}, {{"name": "b", "at": [24, 10]}}, {{"name": "c", "at": [42, 10]}}],
+        "bones": [["a", "b"], ["b", "c"]], "curve": [[[6, 10], [42, 10]]]}}"#,
+        points.join(", "),
+        triangles.join(", ")
+    )
+}
+
+/// The picture of the small character: a red bar on clear ground.
+pub(crate) fn bar_picture() -> image::RgbaImage {
+    image::RgbaImage::from_fn(48, 20, |x, y| {
+        let inside = (4..44).contains(&x) && (6..14).contains(&y);
+        image::Rgba(if inside { [200, 40 + x as u8, 30, 255] } else { [0; 4] })
+    })
+}
+
+pub(crate) fn view(picture: &image::RgbaImage) -> mry_image_view {
+    let mut view = unsafe { std::mem::zeroed::<mry_image_view>() };
+    unsafe { mry_image_view_init(&mut view, size_of::<mry_image_view>() as u32) };
+    (view.format, view.width, view.height) = (MRY_FORMAT_RGBA8, picture.width(), picture.height());
+    view.data = picture.as_raw().as_ptr();
+    view
+}
+
+pub(crate) fn character_desc() -> mry_character_desc {
+    let mut desc = unsafe { std::mem::zeroed::<mry_character_desc>() };
+    unsafe { mry_character_desc_init(&mut desc, size_of::<mry_character_desc>() as u32) };
+    desc
+}
+
 impl Fixture {
+    /// The small character with its picture.
+    pub(crate) fn character(&self) -> mry_character {
+        let (picture, rig) = (bar_picture(), bar_rig());
+        let (pixels, mut desc) = (view(&picture), character_desc());
+        (desc.pixels, desc.rig_json) = (&pixels, str(&rig));
+        let (mut character, mut err) = (mry_character::default(), error());
+        let status = unsafe { mry_run_character(self.context, &desc, &mut character, &mut err) };
+        assert_eq!(status, OK, "{}", text(&err.message));
+        character
+    }
+
     pub(crate) fn path(&self, name: &str) -> String {
         self.folder.path().join(name).to_str().unwrap().to_owned()
     }

@@ -17,6 +17,7 @@
 //! # }
 //! ```
 
+mod character;
 mod clip;
 mod context;
 mod creature;
@@ -31,6 +32,9 @@ mod rig;
 mod session;
 mod sys;
 
+pub use character::{
+    Area, Character, CharacterInfo, CharacterOptions, Poser, Poses, RetargetOptions, Take, TakeFileOptions, TakeOptions,
+};
 pub use clip::{Clip, ClipInfo};
 pub use context::Context;
 pub use creature::{Creature, CreatureInfo};

@@ -101,6 +101,9 @@ destroy!(job_destroy, mry_job_destroy, mry_job);
 destroy!(session_destroy, mry_session_destroy, mry_session);
 destroy!(deformation_destroy, mry_deformation_destroy, mry_deformation);
 
+mod character;
+pub(crate) use character::*;
+
 /// Asks for a size, then for that many values.
 fn sized_list<T: Copy + Default>(
     mut read: impl FnMut(*mut T, usize, &mut usize) -> Result<mry_status>,

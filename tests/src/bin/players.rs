@@ -316,7 +316,7 @@ fn moved(character: &Character, bvh: &str, view: View) -> Result<Take> {
             (joint, if known(track) && known("RightForeArm") { track.to_owned() } else { other(track) })
         })
         .filter(|(_, track)| known(track))
-        .map(|(joint, track)| (joint.to_owned(), SourcePlace { track, along: 0.0 }))
+        .map(|(joint, track)| (joint.to_owned(), SourcePlace::of(&track)))
         .collect();
     let named: Vec<(String, Vec2)> = character.skeleton.joints.iter().map(|j| (j.name.clone(), j.at)).collect();
     let skeleton = RestSkeleton { joints: &named, bones: &character.skeleton.bones, size: character.size };

@@ -43,7 +43,7 @@ impl Character {
     }
 }
 
-fn handles(skeleton: &Skeleton, joints: &[Vec2]) -> Vec<Handle> {
+pub(super) fn handles(skeleton: &Skeleton, joints: &[Vec2]) -> Vec<Handle> {
     skeleton.segments(joints).into_iter().map(|(a, b)| Handle::Bone(a, b)).collect()
 }
 
@@ -197,6 +197,14 @@ impl Animation {
             *p += since.rotate(start) * (1.0 - t) + until.rotate(end) * t;
         }
         Ok(shape)
+    }
+
+    /// How far vertices are from where a deformer puts them, for one that knows nothing of the keys.
+    pub(super) fn moved(&self, frame: usize) -> Vec<(u32, Vec2)> {
+        let (from, to, share) = self.poses.between(frame);
+        let faded =
+            |key: usize, share: f64| self.poses.keys[key].moved.iter().map(move |&(v, way)| (v, way * share as f32));
+        faded(from, 1.0 - share).chain(faded(to, share)).collect()
     }
 
     /// The depth of every bone's region in a frame: that of the last key.

@@ -6,13 +6,16 @@
 
 mod curve_skeleton;
 mod cutout;
+mod deformed;
 mod draw;
+mod drawing;
 mod in_between;
 mod overlap;
 mod poses;
 mod redrawing;
 mod rig_file;
 mod skeleton;
+mod skeleton_edit;
 mod sketching;
 mod take;
 #[cfg(test)]
@@ -23,7 +26,9 @@ use image::RgbaImage;
 
 pub use crate::deform::{Regions, VertexClass};
 pub use cutout::cut_out;
+pub use deformed::Posture;
 pub use draw::{Canvas, Drawing};
+pub use drawing::{apply_mask, read_cut, read_drawing};
 pub use in_between::{Animation, Poser};
 pub use overlap::Overlap;
 pub use poses::{Easing, KeyPose, Poses};

@@ -88,6 +88,7 @@ struct PosesFile {
 #[derive(Serialize, Deserialize)]
 struct KeyEntry {
     frame: usize,
+    #[serde(default)]
     joints: BTreeMap<String, Vec2>,
     #[serde(default)]
     easing: Easing,

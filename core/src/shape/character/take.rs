@@ -83,7 +83,7 @@ impl Take {
     }
 }
 
-fn room(frames: usize, vertices: usize) -> Result<usize> {
+pub(super) fn room(frames: usize, vertices: usize) -> Result<usize> {
     let value = frames as u64 * vertices as u64;
     if value <= MOST_PLACES {
         return Ok(frames);

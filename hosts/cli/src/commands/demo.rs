@@ -1,9 +1,9 @@
-//! `marey demo`: the whole job on the bundled camel, with its inputs beside the results, so that a stroke can be moved
-//! and the job run again.
+//! `marey demo`: the whole job on the bundled camel, or on the bundled drawing, with its inputs beside the results, so that
+//! a stroke or a pose can be moved and the job run again.
 
 use std::path::Path;
 
-use marey_binding::CreatureOptions;
+use marey_binding::{CharacterOptions, CreatureOptions, TakeFileOptions, TakeOptions};
 
 use super::{Session, utf8};
 use crate::args::Demo;
@@ -14,8 +14,17 @@ use crate::watch::watch;
 const CLIP: &[u8] = include_bytes!("../../../../data/camel/clip.mp4");
 const STROKES: &str = include_str!("../../../../data/camel/strokes.json");
 
+const DRAWING: [(&str, &[u8]); 3] = [
+    ("drawing.png", include_bytes!("../../../../data/characters/child/drawing.png")),
+    ("rig.json", include_bytes!("../../../../data/characters/child/rig.json")),
+    ("poses.json", include_bytes!("../../../../data/characters/child/poses.json")),
+];
+
 pub(crate) fn demo(session: &Session, args: &Demo) -> Result<(), Failure> {
     let folder = &args.output;
+    if args.character {
+        return drawing(session, folder);
+    }
     // The inputs come into the folder last: a demo that is cancelled leaves nothing.
     let inputs = tempfile::tempdir().map_err(|e| failed(folder, &e))?;
     let clip_file = inputs.path().join("clip.mp4");
@@ -46,6 +55,49 @@ pub(crate) fn demo(session: &Session, args: &Demo) -> Result<(), Failure> {
 {shown}/creature.glb  open in Blender (File, Import, glTF 2.0) and press play
 {shown}/report.json   seconds, counts, and which stroke to draw next
 then move a stroke in {shown}/strokes.json: marey creature {shown}/clip.mp4 --strokes {shown}/strokes.json -o {shown}
+"
+    ));
+    Ok(())
+}
+
+fn drawing(session: &Session, folder: &Path) -> Result<(), Failure> {
+    // All is made aside: a demo that is cancelled leaves nothing.
+    let aside = tempfile::tempdir().map_err(|e| failed(folder, &e))?;
+    for (name, bytes) in DRAWING {
+        let path = aside.path().join(name);
+        std::fs::write(&path, bytes).map_err(|e| failed(&path, &e))?;
+    }
+    let [picture, rig, poses, gif] =
+        ["drawing.png", "rig.json", "poses.json", "child.gif"].map(|n| aside.path().join(n));
+    let options = CharacterOptions { picture: utf8(&picture)?, rig: utf8(&rig)?, ..CharacterOptions::default() };
+    let job = session.context.start_character(&options)?;
+    watch(&job, &session.interrupt)?;
+    let character = job.take_character()?;
+    let poses = character.read_poses(utf8(&poses)?)?;
+    let job = session.context.start_take_of_poses(&poses, &TakeOptions::default())?;
+    watch(&job, &session.interrupt)?;
+    let take = job.take_take()?;
+    let file = TakeFileOptions { path: utf8(&gif)?, background: [255; 4], ..TakeFileOptions::default() };
+    watch(&session.context.start_take_file(&take, &file)?, &session.interrupt)?;
+    std::fs::create_dir_all(folder).map_err(|e| failed(folder, &e))?;
+    for name in ["drawing.png", "rig.json", "poses.json", "child.gif"] {
+        let path = folder.join(name);
+        // A person's own poses from an earlier run stay.
+        if name != "child.gif" && path.exists() {
+            continue;
+        }
+        std::fs::copy(aside.path().join(name), &path).map_err(|e| failed(&path, &e))?;
+    }
+    if session.json {
+        say::line(&session.report("demo", &take.report()?, folder)?.to_string());
+        return Ok(());
+    }
+    let shown = folder.display();
+    say::text(&format!(
+        "\
+{shown}/child.gif     a drawing that walks and waves: open it first
+then move a joint in {shown}/poses.json:
+  marey character {shown}/drawing.png --rig {shown}/rig.json --poses {shown}/poses.json -o {shown}/child.gif
 "
     ));
     Ok(())

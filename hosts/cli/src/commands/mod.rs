@@ -1,5 +1,6 @@
 //! The commands, each in its file, and what they share.
 
+mod character;
 mod creature;
 mod deform;
 mod demo;
@@ -11,6 +12,7 @@ mod session_files;
 mod session_info;
 mod track;
 
+pub(crate) use character::{character, retarget, rig};
 pub(crate) use creature::creature;
 pub(crate) use deform::deform;
 pub(crate) use demo::demo;
