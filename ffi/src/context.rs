@@ -29,6 +29,7 @@ use crate::error::{Failure, mry_error};
 use crate::executor::{Executor, MAX_THREADS};
 use crate::guard::{contain, entry};
 use crate::job::JobTable;
+use crate::joints::JointsTable;
 use crate::limits::{Limits, mry_limits};
 use crate::maps::MapTable;
 use crate::masks::MasksTable;
@@ -125,6 +126,7 @@ pub(crate) struct Context {
     pub(crate) posers: PoserTable,
     pub(crate) poses: PosesTable,
     pub(crate) takes: TakeTable,
+    pub(crate) joints: JointsTable,
     pub(crate) plugins: Plugins,
     pub(crate) limits: Limits,
     memory: Option<Arc<dyn FrameMemory>>,
@@ -166,6 +168,7 @@ impl Context {
         self.posers.poison(id);
         self.poses.poison(id);
         self.takes.poison(id);
+        self.joints.poison(id);
     }
 
     /// Refuses calls that wait for the context's threads from inside a callback.
@@ -248,6 +251,7 @@ pub unsafe extern "C" fn mry_context_create(
             posers: Table::new(11, tag, most),
             poses: Table::new(12, tag, most),
             takes: Table::new(13, tag, most),
+            joints: Table::new(9, tag, most),
             plugins: Plugins::default(),
             limits,
             memory,

@@ -28,7 +28,7 @@ pub struct mry_overlap {
     pub area: f64,
     /// The middle of what they share.
     pub at: mry_point,
-    /// 1 where depths put one before the other, 0 where only the mesh's order does.
+    /// 1 where depths put one before the other, 0 where the outer bone is in front because they are equal.
     pub ordered: u32,
     /// Zero.
     pub reserved0: u32,

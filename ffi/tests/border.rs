@@ -26,6 +26,7 @@ struct Ids {
     poser: mry_poser,
     poses: mry_poses,
     take: mry_take,
+    joints: mry_joints,
 }
 
 fn ids(f: &Fixture) -> Ids {
@@ -44,6 +45,7 @@ fn ids(f: &Fixture) -> Ids {
         assert_eq!(mry_poses_set_key(f.context, ids.poses, 0, three(), 3, 0, &mut err), OK);
         let status = mry_run_take(f.context, take(ids), &mut ids.take, &mut err);
         assert_eq!(status, OK, "{}", text(&err.message));
+        assert_eq!(mry_joints_from_json(f.context, str(JOINTS), &mut ids.joints, &mut err), OK);
     }
     ids
 }
@@ -109,6 +111,17 @@ fn point() -> *const mry_point {
 fn track(i: Ids) -> *const mry_track_desc {
     let mut desc = zeroed_track();
     (desc.clip, desc.rig) = (i.clip, i.rig);
+    Box::leak(Box::new(desc))
+}
+
+const JOINTS: &str = r#"{"format":"marey-joints","version":1,"size":[96,64],
+    "joints":[{"name":"hip","frame":0,"rect":[20,20,8,8]},{"name":"knee","frame":0,"rect":[20,40,8,8]},
+    {"name":"hip","frame":1,"rect":[21,20,8,8]}],"bones":[["hip","knee"]]}"#;
+
+fn capture(i: Ids) -> *const mry_capture_desc {
+    let mut desc = unsafe { std::mem::zeroed::<mry_capture_desc>() };
+    unsafe { mry_capture_desc_init(&mut desc, size_of::<mry_capture_desc>() as u32) };
+    (desc.clip, desc.joints) = (i.clip, i.joints);
     Box::leak(Box::new(desc))
 }
 
@@ -222,6 +235,18 @@ const CALLS: &[(&str, Has, Run)] = calls! {
     IdAndOut mry_rig_paint_mask(c, i, o, e, p) => [i.rig, 3, o.at::<[u8; 2]>().cast(), 96 * 64, 0, str(p)];
     IdAndOut mry_rig_get_length_hint(c, i, o, e, p) => [i.rig, 0, o.at()];
     Id mry_rig_validate(c, i, o, e, p) => [i.rig, i.clip];
+    Out mry_joints_create(c, i, o, e, p) => [9, 9, o.at()];
+    Out mry_joints_read(c, i, o, e, p) => [str(p), o.at()];
+    Out mry_joints_from_json(c, i, o, e, p) => [str(JOINTS), o.at()];
+    Id mry_joints_write(c, i, o, e, p) => [i.joints, str(p)];
+    IdAndOut mry_joints_to_json(c, i, o, e, p) => [i.joints, o.at(), 4096, o.at()];
+    Id mry_joints_mark(c, i, o, e, p) => [i.joints, str("foot"), 0, 20.0, 50.0, 8.0, 8.0];
+    Id mry_joints_unmark(c, i, o, e, p) => [i.joints, str("hip"), 1];
+    Id mry_joints_add_bone(c, i, o, e, p) => [i.joints, str("knee"), str("foot")];
+    Id mry_joints_validate(c, i, o, e, p) => [i.joints, i.clip];
+    IdAndOut mry_motion_get_capture_report(c, i, o, e, p) => [i.motion, i.clip, i.joints, o.at(), 8192, o.at()];
+    IdAndOut mry_job_start_capture(c, i, o, e, p) => [capture(i), o.at()];
+    IdAndOut mry_run_capture(c, i, o, e, p) => [capture(i), o.at()];
     Out mry_motion_read(c, i, o, e, p) => [str(p), o.at()];
     Out mry_motion_from_json(c, i, o, e, p) => [str("{}"), o.at()];
     Id mry_motion_write(c, i, o, e, p) => [i.motion, str(p)];
@@ -414,9 +439,10 @@ const CALLS: &[(&str, Has, Run)] = calls! {
 };
 
 /// Functions that destroy, and functions without a context.
-const OTHERS: [&str; 51] = [
+const OTHERS: [&str; 53] = [
     "mry_abi_check",
     "mry_allocator_init",
+    "mry_capture_desc_init",
     "mry_character_desc_init",
     "mry_character_destroy",
     "mry_character_info_init",
@@ -438,6 +464,7 @@ const OTHERS: [&str; 51] = [
     "mry_image_view_init",
     "mry_job_destroy",
     "mry_job_state_init",
+    "mry_joints_destroy",
     "mry_limits_init",
     "mry_masks_destroy",
     "mry_masks_info_init",
@@ -522,6 +549,7 @@ fn dead_and_foreign_ids_are_stale_everywhere() {
         mry_poser_destroy(f.context, dead.poser);
         mry_poses_destroy(f.context, dead.poses);
         mry_take_destroy(f.context, dead.take);
+        mry_joints_destroy(f.context, dead.joints);
     }
     let garbage = Ids {
         clip: mry_clip { v: u64::MAX },
@@ -536,6 +564,7 @@ fn dead_and_foreign_ids_are_stale_everywhere() {
         poser: mry_poser { v: u64::MAX },
         poses: mry_poses { v: u64::MAX },
         take: mry_take { v: u64::MAX },
+        joints: mry_joints { v: u64::MAX },
     };
     for (name, _, run) in CALLS.iter().filter(|c| !matches!(c.1, Has::Out | Has::Neither)) {
         for (what, ids) in [("null", Ids::default()), ("dead", dead), ("foreign", ids), ("garbage", garbage)] {
@@ -560,6 +589,7 @@ fn destroying_nothing_is_no_error_and_destroying_twice_is_one() {
         assert_eq!(mry_masks_destroy(c, mry_masks::default()), OK);
         assert_eq!(mry_creature_destroy(c, mry_creature::default()), OK);
         assert_eq!(mry_job_destroy(c, mry_job::default()), OK);
+        assert_eq!(mry_joints_destroy(c, mry_joints::default()), OK);
         assert_eq!(mry_session_destroy(c, mry_session::default()), OK);
         assert_eq!(mry_character_destroy(c, mry_character::default()), OK);
         assert_eq!(mry_poser_destroy(c, mry_poser::default()), OK);

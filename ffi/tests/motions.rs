@@ -146,3 +146,47 @@ fn a_corrected_stroke_is_tracked_again_between_its_neighbours() {
         }
     }
 }
+
+#[test]
+fn joints_are_marked_by_hand_captured_and_corrected() {
+    let f = fixture();
+    let (c, mut joints, mut earlier, mut err) = (f.context, mry_joints::default(), mry_joints::default(), error());
+    let (mut motion, mut again, mut size) = (mry_motion::default(), mry_motion::default(), 0);
+    unsafe {
+        assert_eq!(mry_joints_create(c, SIZE.0, SIZE.1, &mut joints, &mut err), OK);
+        let clip = f.clip();
+        assert_eq!(mry_joints_validate(c, joints, clip, &mut err), code(MRY_E_INPUT), "nothing is marked");
+        let mark = |name: &str, frame, x: f32, y: f32, side: f32| {
+            mry_joints_mark(c, joints, str(name), frame, x, y, side, side, NO_ERROR)
+        };
+        assert_eq!((mark("left", 0, 31.0, 28.0, 8.0), mark("right", 0, 51.0, 28.0, 8.0)), (OK, OK));
+        assert_eq!(mark("left", 0, f32::NAN, 28.0, 8.0), code(MRY_E_NON_FINITE));
+        assert_eq!(mark("left", 0, 500.0, 28.0, 8.0), code(MRY_E_INPUT), "outside");
+        assert_eq!(mark("left", 0, 31.0, 28.0, 0.0), code(MRY_E_INPUT), "no rectangle");
+        assert_eq!(mark("", 0, 31.0, 28.0, 8.0), code(MRY_E_INPUT));
+        assert_eq!(mry_joints_unmark(c, joints, str("left"), 3, &mut err), code(MRY_E_NOT_FOUND));
+        assert_eq!(mry_joints_add_bone(c, joints, str("left"), str("right"), &mut err), OK);
+        assert_eq!(mry_joints_add_bone(c, joints, str("right"), str("left"), &mut err), code(MRY_E_INPUT), "a circle");
+        assert_eq!(mry_joints_add_bone(c, joints, str("left"), str("nose"), &mut err), code(MRY_E_INPUT));
+        assert_eq!(mry_joints_unmark(c, joints, str("right"), 0, &mut err), code(MRY_E_INPUT), "its bone needs it");
+        assert_eq!(mry_joints_validate(c, joints, clip, &mut err), OK, "{}", text(&err.message));
+        let path = f.path("joints.json");
+        assert_eq!(mry_joints_write(c, joints, str(&path), &mut err), OK);
+        assert_eq!(mry_joints_read(c, str(&path), &mut earlier, &mut err), OK);
+
+        let mut desc = std::mem::zeroed::<mry_capture_desc>();
+        mry_capture_desc_init(&mut desc, size_of::<mry_capture_desc>() as u32);
+        (desc.clip, desc.joints) = (clip, joints);
+        assert_eq!(mry_run_capture(c, &desc, &mut motion, &mut err), OK, "{}", text(&err.message));
+        let at = |motion, joint, number| frame(&f, motion, joint, number).0[0];
+        assert!((at(motion, 0, 5).x - 45.0).abs() < 3.0 && (at(motion, 1, 5).x - 65.0).abs() < 3.0, "10 to the right");
+
+        assert_eq!(mark("right", 4, 60.0, 30.0, 8.0), OK);
+        (desc.earlier, desc.earlier_joints) = (motion, earlier);
+        assert_eq!(mry_run_capture(c, &desc, &mut again, &mut err), OK, "{}", text(&err.message));
+        assert_eq!(at(again, 1, 4), mry_point { x: 64.0, y: 34.0 });
+        assert_eq!(frame(&f, again, 0, 0), frame(&f, motion, 0, 0));
+        let asked = mry_motion_get_capture_report(c, again, clip, joints, ptr::null_mut(), 0, &mut size, &mut err);
+        assert!(asked == code(MRY_E_BUFFER_TOO_SMALL) && size > 100, "{asked}");
+    }
+}

@@ -93,6 +93,7 @@
 #define MRY_TAKE_FILE_DESC_INIT { (uint32_t)sizeof(mry_take_file_desc), 0, { 0 }, { NULL, 0 }, { NULL, 0 }, { NULL, 0 }, 0.0f, { 0 } }
 #define MRY_JOB_STATE_INIT { (uint32_t)sizeof(mry_job_state), 0, 0.0, 0, { 0 } }
 #define MRY_TRACK_DESC_INIT { (uint32_t)sizeof(mry_track_desc), 0, { 0 }, { 0 }, { NULL, 0 }, { 0 }, { 0 } }
+#define MRY_CAPTURE_DESC_INIT { (uint32_t)sizeof(mry_capture_desc), 0, { 0 }, { 0 }, { 0 }, { 0 } }
 #define MRY_SEGMENT_DESC_INIT { (uint32_t)sizeof(mry_segment_desc), 0, { 0 }, { 0 }, { 0 }, { NULL, 0 }, { NULL, 0 }, { NULL, 0 } }
 #define MRY_CREATURE_DESC_INIT { (uint32_t)sizeof(mry_creature_desc), 0, { 0 }, { 0 }, { NULL, 0 }, { NULL, 0 }, { NULL, 0 } }
 #define MRY_EXPORT_DESC_INIT { (uint32_t)sizeof(mry_export_desc), 0, { 0 }, { NULL, 0 }, 0, 0.0f }
@@ -596,6 +597,12 @@ typedef struct mry_point {
   float y;
 } mry_point;
 
+/** Marked joints. */
+typedef struct mry_joints {
+  /** The id; 0 is none. */
+  uint64_t v;
+} mry_joints;
+
 /** What a motion is. */
 typedef struct mry_motion_info {
   /** sizeof(mry_motion_info). */
@@ -875,7 +882,7 @@ typedef struct mry_overlap {
   double area;
   /** The middle of what they share. */
   mry_point at;
-  /** 1 where depths put one before the other, 0 where only the mesh's order does. */
+  /** 1 where depths put one before the other, 0 where the outer bone is in front because they are equal. */
   uint32_t ordered;
   /** Zero. */
   uint32_t reserved0;
@@ -1031,6 +1038,25 @@ typedef struct mry_track_desc {
   /** What was drawn then; {0} without earlier. */
   mry_rig earlier_rig;
 } mry_track_desc;
+
+/** What to capture. Start from MRY_CAPTURE_DESC_INIT; clip and joints must be set. */
+typedef struct mry_capture_desc {
+  /** sizeof(mry_capture_desc). */
+  uint32_t struct_size;
+  /** Zero. */
+  uint32_t reserved0;
+  /** The clip. */
+  mry_clip clip;
+  /** The joints; they must be valid for the clip. */
+  mry_joints joints;
+  /**
+   * What was captured before from earlier_joints on the same clip; {0} to capture everything. Only what differs
+   * between the joints is captured again, between the marked frames around it; the rest stays to the bit.
+   */
+  mry_motion earlier;
+  /** What was marked then; {0} without earlier. */
+  mry_joints earlier_joints;
+} mry_capture_desc;
 
 /** What to segment. Start from MRY_SEGMENT_DESC_INIT; clip and rig must be set. */
 typedef struct mry_segment_desc {
@@ -2000,6 +2026,196 @@ mry_status mry_rig_paint_mask(mry_context *context,
                               size_t stride_bytes,
                               mry_str path,
                               mry_error *err);
+
+/** @} */
+
+/**
+ * @defgroup joints Joints
+ *
+ * Joints. What a person marks to capture the motion of a character: small rectangles around its joints on one frame,
+ * bones between them, and corrections, which are more rectangles of the same joints on other frames. Joints under
+ * construction may be incomplete; mry_joints_validate says what is missing, and every job validates its copy first.
+ * @{
+ */
+
+/**
+ * Creates joints of which none is marked.
+ *
+ * @param context     The context.
+ * @param width       The clip's pixels across, at least 1.
+ * @param height      The clip's pixels down, at least 1.
+ * @param out_joints  The joints.
+ * @param err         Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_ARGUMENT.
+ * Lifetime: until mry_joints_destroy or the end of the context.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_joints_create(mry_context *context,
+                             uint32_t width,
+                             uint32_t height,
+                             mry_joints *out_joints,
+                             mry_error *err);
+
+/**
+ * Reads a joints.json file.
+ *
+ * @param context     The context.
+ * @param path        The file.
+ * @param out_joints  The joints, valid.
+ * @param err         Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_NO_FILE, MRY_E_INPUT, MRY_E_LIMIT, MRY_E_IO, MRY_E_STRING, MRY_E_ARGUMENT.
+ * Lifetime: until mry_joints_destroy or the end of the context.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_joints_read(mry_context *context,
+                           mry_str path,
+                           mry_joints *out_joints,
+                           mry_error *err);
+
+/**
+ * Reads the text of a joints.json.
+ *
+ * @param context     The context.
+ * @param json        The text.
+ * @param out_joints  The joints, valid.
+ * @param err         Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_INPUT, MRY_E_LIMIT, MRY_E_STRING.
+ * Lifetime: until mry_joints_destroy or the end of the context.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_joints_from_json(mry_context *context,
+                                mry_str json,
+                                mry_joints *out_joints,
+                                mry_error *err);
+
+/**
+ * Writes joints as joints.json, complete or not; the file appears whole or not at all.
+ *
+ * @param context  The context.
+ * @param joints   The joints.
+ * @param path     The file, in a folder that exists.
+ * @param err      Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_IO, MRY_E_INPUT (no place for a file), MRY_E_STRING, MRY_E_ARGUMENT, MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_joints_write(mry_context *context,
+                            mry_joints joints,
+                            mry_str path,
+                            mry_error *err);
+
+/**
+ * The joints as the text of a joints.json.
+ *
+ * @param context   The context.
+ * @param joints    The joints.
+ * @param text      Where the text goes, UTF-8 with a NUL; NULL with capacity 0 to ask for the size.
+ * @param capacity  Bytes at text.
+ * @param out_size  Bytes needed, with the NUL.
+ * @param err       Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_BUFFER_TOO_SMALL, MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_joints_to_json(mry_context *context,
+                              mry_joints joints,
+                              char *text,
+                              size_t capacity,
+                              size_t *out_size,
+                              mry_error *err);
+
+/**
+ * Marks a joint on a frame, in place of an earlier mark there. The first mark of a name makes the joint; all joints
+ * have to be marked on one frame, and marks on other frames are corrections.
+ *
+ * @param context  The context.
+ * @param joints   The joints.
+ * @param name     The joint's name.
+ * @param frame    The frame.
+ * @param x        Left of the rectangle in clip pixels; the joint is at its centre.
+ * @param y        Its top.
+ * @param width    Its width, above 0.
+ * @param height   Its height, above 0.
+ * @param err      Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_INPUT (a rectangle outside the clip, or no rectangle), MRY_E_NON_FINITE, MRY_E_LIMIT,
+ *         MRY_E_STRING, MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_joints_mark(mry_context *context,
+                           mry_joints joints,
+                           mry_str name,
+                           uint64_t frame,
+                           float x,
+                           float y,
+                           float width,
+                           float height,
+                           mry_error *err);
+
+/**
+ * Takes back a joint's mark on a frame. A joint without marks, and without bones, is gone.
+ *
+ * @param context  The context.
+ * @param joints   The joints.
+ * @param name     The joint's name.
+ * @param frame    The frame.
+ * @param err      Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_NOT_FOUND, MRY_E_INPUT (the last mark of a joint that has bones), MRY_E_STRING, MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_joints_unmark(mry_context *context,
+                             mry_joints joints,
+                             mry_str name,
+                             uint64_t frame,
+                             mry_error *err);
+
+/**
+ * Adds a bone between two marked joints. Bones make a tree, or several.
+ *
+ * @param context  The context.
+ * @param joints   The joints.
+ * @param parent   The joint that the other hangs on.
+ * @param child    The other.
+ * @param err      Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_INPUT (no such joint, a circle, a second parent), MRY_E_LIMIT, MRY_E_STRING, MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_joints_add_bone(mry_context *context,
+                               mry_joints joints,
+                               mry_str parent,
+                               mry_str child,
+                               mry_error *err);
+
+/**
+ * Destroys joints. Jobs that were started with them keep their copy.
+ *
+ * @param context  The context.
+ * @param joints   The joints; {0} is no error.
+ * @return MRY_OK.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API mry_status mry_joints_destroy(mry_context *context, mry_joints joints);
+
+/**
+ * Whether jobs can work with the joints: all marked on one frame, rectangles inside the clip, and so on.
+ *
+ * @param context  The context.
+ * @param joints   The joints.
+ * @param clip     The clip they are for, whose size and length they must fit; {0} to leave that out.
+ * @param err      What is missing or wrong, where, and what to do; or NULL.
+ * @return MRY_OK; MRY_E_INPUT, MRY_E_LIMIT, MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_joints_validate(mry_context *context,
+                               mry_joints joints,
+                               mry_clip clip,
+                               mry_error *err);
 
 /** @} */
 
@@ -4667,6 +4883,85 @@ mry_status mry_run_track(mry_context *context,
                          const mry_track_desc *desc,
                          mry_motion *out_motion,
                          mry_error *err);
+
+/** @} */
+
+/**
+ * @defgroup capturing Capture
+ *
+ * Capture. From joints marked on one frame to joints on every frame.
+ * @{
+ */
+
+/**
+ * Fills in a description with struct_size set and everything else zero, for languages without the INIT macros.
+ *
+ * @param desc  Where to write; NULL does nothing.
+ * @param size  sizeof(mry_capture_desc) as the caller knows it.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+void mry_capture_desc_init(mry_capture_desc *desc,
+                           uint32_t size);
+
+/**
+ * Starts capture: from joints marked on one frame to joints on every frame. Gives a motion, one track a joint.
+ *
+ * @param context  The context.
+ * @param desc     What to capture.
+ * @param out_job  The job.
+ * @param err      Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_INPUT (the joints are not valid for the clip), MRY_E_STRUCT_SIZE, MRY_E_BUSY.
+ * Lifetime: until mry_job_destroy or the end of the context.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_job_start_capture(mry_context *context,
+                                 const mry_capture_desc *desc,
+                                 mry_job *out_job,
+                                 mry_error *err);
+
+/**
+ * Captures, and returns when it is done. Work that was started before comes first.
+ *
+ * @param context     The context.
+ * @param desc        What to capture.
+ * @param out_motion  The motion.
+ * @param err         Detail of a failure, or NULL.
+ * @return MRY_OK; what mry_job_start_capture and mry_job_wait return.
+ * Lifetime: until mry_motion_destroy or the end of the context.
+ * Thread: [outside-callbacks]. Since 0.1.
+ */
+MRY_API
+mry_status mry_run_capture(mry_context *context,
+                           const mry_capture_desc *desc,
+                           mry_motion *out_motion,
+                           mry_error *err);
+
+/**
+ * What there is to say about captured joints, as JSON: how far each is to be trusted, how bones squash and stretch,
+ * which joint to correct next, and on which frame.
+ *
+ * @param context   The context.
+ * @param motion    The motion.
+ * @param clip      The clip it came from.
+ * @param joints    The joints it came from.
+ * @param text      Where the text goes, UTF-8 with a NUL; NULL with capacity 0 to ask for the size.
+ * @param capacity  Bytes at text.
+ * @param out_size  Bytes needed, with the NUL.
+ * @param err       Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_BUFFER_TOO_SMALL, MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_motion_get_capture_report(mry_context *context,
+                                         mry_motion motion,
+                                         mry_clip clip,
+                                         mry_joints joints,
+                                         char *text,
+                                         size_t capacity,
+                                         size_t *out_size,
+                                         mry_error *err);
 
 /** @} */
 

@@ -267,6 +267,44 @@ public:
   }
 };
 
+/** What a person marks to capture the motion of a character. */
+class joints : public detail::handle<mry_joints, mry_joints_destroy> {
+public:
+  using handle::handle;
+
+  /** Marks a joint on a frame, in place of an earlier mark there. */
+  result<void> mark(std::string_view name, std::uint64_t frame, float x, float y, float width, float height) {
+    return detail::perform([&](mry_error *err) {
+      return mry_joints_mark(c(), id_, detail::str(name), frame, x, y, width, height, err);
+    });
+  }
+  /** Takes a joint's mark on a frame back. */
+  result<void> unmark(std::string_view name, std::uint64_t frame) {
+    return detail::perform(
+      [&](mry_error *err) { return mry_joints_unmark(c(), id_, detail::str(name), frame, err); });
+  }
+  /** Adds a bone between two marked joints. */
+  result<void> add_bone(std::string_view parent, std::string_view child) {
+    return detail::perform([&](mry_error *err) {
+      return mry_joints_add_bone(c(), id_, detail::str(parent), detail::str(child), err);
+    });
+  }
+  /** Whether jobs can work with them; with {} whatever the clip. */
+  result<void> validate(mry_clip clip = {}) const {
+    return detail::perform([&](mry_error *err) { return mry_joints_validate(c(), id_, clip, err); });
+  }
+  /** The text of a joints.json. */
+  result<std::string> to_json() const {
+    return detail::text([&](char *text, std::size_t capacity, std::size_t *size, mry_error *err) {
+      return mry_joints_to_json(c(), id_, text, capacity, size, err);
+    });
+  }
+  /** Writes joints.json. */
+  result<void> write(std::string_view path) const {
+    return detail::perform([&](mry_error *err) { return mry_joints_write(c(), id_, detail::str(path), err); });
+  }
+};
+
 /** What a person draws on a clip. */
 class rig : public detail::handle<mry_rig, mry_rig_destroy> {
 public:
@@ -1249,6 +1287,21 @@ public:
     return make<rig, mry_rig>(
       [&](mry_rig *id, mry_error *err) { return mry_rig_from_json(get(), detail::str(json), id, err); });
   }
+  /** Joints of which none is marked, for a clip of this size. */
+  result<joints> new_joints(std::uint32_t width, std::uint32_t height) const {
+    return make<joints, mry_joints>(
+      [&](mry_joints *id, mry_error *err) { return mry_joints_create(get(), width, height, id, err); });
+  }
+  /** Reads a joints.json file. */
+  result<joints> read_joints(std::string_view path) const {
+    return make<joints, mry_joints>(
+      [&](mry_joints *id, mry_error *err) { return mry_joints_read(get(), detail::str(path), id, err); });
+  }
+  /** Reads the text of a joints.json. */
+  result<joints> joints_from_json(std::string_view json) const {
+    return make<joints, mry_joints>(
+      [&](mry_joints *id, mry_error *err) { return mry_joints_from_json(get(), detail::str(json), id, err); });
+  }
   /** Reads a motion.json file. */
   result<motion> read_motion(std::string_view path) const {
     return make<motion, mry_motion>(
@@ -1284,6 +1337,25 @@ public:
     desc.earlier = earlier.id();
     desc.earlier_rig = earlier_rig.id();
     return make<job, mry_job>([&](mry_job *id, mry_error *err) { return mry_job_start_track(get(), &desc, id, err); });
+  }
+  /** Starts capture: joints marked on one frame, followed through the clip. */
+  result<job> start_capture(const clip &clip, const joints &joints) const {
+    mry_capture_desc desc = MRY_CAPTURE_DESC_INIT;
+    desc.clip = clip.id();
+    desc.joints = joints.id();
+    return make<job, mry_job>(
+      [&](mry_job *id, mry_error *err) { return mry_job_start_capture(get(), &desc, id, err); });
+  }
+  /** Starts capturing again what differs between joints and those that an earlier motion was captured from. */
+  result<job> start_recapture(const clip &clip, const joints &joints, const motion &earlier,
+                              const marey::joints &earlier_joints) const {
+    mry_capture_desc desc = MRY_CAPTURE_DESC_INIT;
+    desc.clip = clip.id();
+    desc.joints = joints.id();
+    desc.earlier = earlier.id();
+    desc.earlier_joints = earlier_joints.id();
+    return make<job, mry_job>(
+      [&](mry_job *id, mry_error *err) { return mry_job_start_capture(get(), &desc, id, err); });
   }
   /** Starts segmenting, after tracking where no motion is given. */
   result<job> start_segment(const clip &clip, const rig &rig, const motion *tracked = nullptr,

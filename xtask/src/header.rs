@@ -14,7 +14,7 @@ use cbindgen::{Builder, Config, DocumentationStyle, EnumConfig, ExportConfig, Fu
 use crate::shell::{root, say};
 
 /// The files of ffi/src in the order a reader meets them.
-const FILES: [&str; 48] = [
+const FILES: [&str; 50] = [
     "version.rs",
     "status.rs",
     "string.rs",
@@ -28,6 +28,7 @@ const FILES: [&str; 48] = [
     "limb.rs",
     "stroke.rs",
     "paint.rs",
+    "joints.rs",
     "motion.rs",
     "tracks.rs",
     "motion_edit.rs",
@@ -50,6 +51,7 @@ const FILES: [&str; 48] = [
     "job.rs",
     "opening.rs",
     "tracking.rs",
+    "capturing.rs",
     "segmenting.rs",
     "reconstructing.rs",
     "exporting.rs",

@@ -2,6 +2,7 @@
 
 mod earlier;
 pub mod flow;
+pub mod joint;
 pub mod limb;
 
 pub use earlier::{Earlier, outdated_frames};
@@ -10,7 +11,7 @@ use crate::clip::Clip;
 use crate::error::Result;
 use crate::job::Stage;
 use crate::motion::Motion;
-use crate::rig::Rig;
+use crate::rig::{JointMarks, Rig};
 
 /// Anything that turns key-frame strokes into strokes on every frame.
 pub trait Tracker: Send + Sync {
@@ -23,5 +24,31 @@ pub trait Tracker: Send + Sync {
     fn retrack(&self, clip: &Clip, rig: &Rig, earlier: Earlier<'_>, stage: Stage<'_>) -> Result<Motion> {
         let _ = earlier;
         self.track(clip, rig, stage)
+    }
+}
+
+/// Anything that turns marked joints into joints on every frame.
+pub trait TrackJoints: Send + Sync {
+    /// Tracks every joint of `marks` over `clip`: a motion with one track a joint, of one point, in the order of
+    /// [`JointMarks::names`]. Where a joint is marked it is exactly at its mark.
+    ///
+    /// # Errors
+    /// The marks are not of this clip or not valid, a frame cannot be read, or the caller cancelled.
+    fn track_joints(&self, clip: &Clip, marks: &JointMarks, stage: Stage<'_>) -> Result<Motion>;
+
+    /// Tracks again what other marks put out of date, and keeps the rest of `earlier` as it is. A tracker that solves
+    /// the clip as a whole tracks all of it, which is what this does unless a tracker knows better.
+    ///
+    /// # Errors
+    /// As for [`Self::track_joints`].
+    fn retrack_joints(
+        &self,
+        clip: &Clip,
+        marks: &JointMarks,
+        earlier: joint::EarlierCapture<'_>,
+        stage: Stage<'_>,
+    ) -> Result<Motion> {
+        let _ = earlier;
+        self.track_joints(clip, marks, stage)
     }
 }

@@ -412,9 +412,12 @@ fn what_is_no_take_of_the_character_is_refused_and_nothing_is_written() {
     let options = TakeOptions::default();
     for (format, file) in FORMATS {
         let path = folder.path().join(file);
-        for (take, problem) in
-            [(&other, "another"), (&no_number, "not a number"), (&rate, "frames a second"), (&empty, "no frames")]
-        {
+        for (take, problem) in [
+            (&other, "of this character"),
+            (&no_number, "not a number"),
+            (&rate, "frames a second"),
+            (&empty, "no frames"),
+        ] {
             let error = write(format, &path, figure.subject(take, "a"), &options).expect_err("refused");
             assert!(error.to_string().contains(problem), "{error}");
         }

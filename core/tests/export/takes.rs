@@ -90,7 +90,11 @@ fn waving(character: &Character) -> Take {
 }
 
 fn at_rest(character: &Character) -> TakeFrame {
-    TakeFrame { points: character.mesh.points.clone(), joints: character.skeleton.rest(), depths: Vec::new() }
+    TakeFrame {
+        points: character.mesh.points.clone(),
+        joints: character.skeleton.rest(),
+        depths: vec![0; character.skeleton.bones.len()],
+    }
 }
 
 /// The mean of how far colours, as they are seen, and opacities are apart, and the largest.
@@ -262,8 +266,8 @@ fn what_is_no_take_of_this_character_is_refused_by_name() {
         (Take { fps: 24.0, frames: Vec::new() }, "no frames"),
         (with(&|t| t.frames[0].points.truncate(9)), "vertices"),
         (with(&|t| t.frames[0].depths = vec![1]), "depths"),
-        (far(f32::NAN), "vertex 3"),
-        (far(f32::INFINITY), "vertex 3"),
+        (far(f32::NAN), "not a number"),
+        (far(f32::INFINITY), "not a number"),
         (with(&|t| t.fps = f64::NAN), "rate"),
     ] {
         let (_, said) = refused(&take, &picture, plain);

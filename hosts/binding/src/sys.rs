@@ -77,8 +77,10 @@ macro_rules! call {
     }};
 }
 
+mod joints;
 mod plugin;
 mod session;
+pub(crate) use joints::*;
 pub(crate) use plugin::*;
 pub(crate) use session::*;
 
@@ -98,6 +100,7 @@ destroy!(motion_destroy, mry_motion_destroy, mry_motion);
 destroy!(masks_destroy, mry_masks_destroy, mry_masks);
 destroy!(creature_destroy, mry_creature_destroy, mry_creature);
 destroy!(job_destroy, mry_job_destroy, mry_job);
+destroy!(joints_destroy, mry_joints_destroy, mry_joints);
 destroy!(session_destroy, mry_session_destroy, mry_session);
 destroy!(deformation_destroy, mry_deformation_destroy, mry_deformation);
 

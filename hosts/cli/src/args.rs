@@ -15,9 +15,11 @@ Examples:
   marey info horse.mp4                                  what a clip is
   marey creature horse.mp4 --strokes s.json -o horse    a creature, animated and textured, and all that led to it
   marey track horse.mp4 --strokes s.json -o m.json      only the limbs over time
+  marey track walk.gif --joints j.json -o m.json        a character's joints over time
 
 CLIP is a video file (mp4, GIF, APNG, animated WebP; others through an ffmpeg on the PATH) or a folder of numbered
-images. Frames count from 0. Strokes are drawn limbs on key frames, as a marey-strokes file.
+images. Frames count from 0. Strokes are drawn limbs on key frames, as a marey-strokes file; joints are rectangles on a
+frame, as a marey-joints file.
 
 Exit codes: 0 done, 2 bad use, 3 bad input, 4 failed, 130 cancelled.",
     disable_help_subcommand = true
@@ -37,7 +39,7 @@ pub(crate) struct Args {
 pub(crate) enum Command {
     /// Say what a clip is: size, frames, rate
     Info(Info),
-    /// Follow the drawn limbs over all frames
+    /// Follow drawn limbs, or marked joints, over all frames
     Track(Track),
     /// Cut the creature out of every frame
     Segment(Segment),
@@ -46,7 +48,7 @@ pub(crate) enum Command {
     /// Give a drawing a mesh and a skeleton
     Rig(Rig),
     /// Move a drawing by key poses or by a motion
-    Character(Character),
+    Character(Box<Character>),
     /// Carry a motion over to the joints of a drawing
     Retarget(Retarget),
     /// Make a creature of a bundled clip
@@ -187,11 +189,29 @@ pub(crate) struct Drawn {
 }
 
 #[derive(Debug, clap::Args)]
-#[command(after_help = "Example:\n  marey track horse.mp4 --strokes strokes.json -o motion.json")]
+#[command(after_help = "\
+Examples:
+  marey track horse.mp4 --strokes strokes.json -o motion.json
+  marey track walk.gif --joints joints.json -o motion.json
+
+joints.json marks each joint as a small rectangle on one frame, and names the bones between them; more rectangles of a
+joint on other frames are corrections.")]
 pub(crate) struct Track {
+    /// A video file or a folder of numbered images
+    #[arg(value_name = "CLIP")]
+    pub(crate) clip: PathBuf,
+    /// The drawn limbs (strokes.json)
+    #[arg(long, value_name = "S.json", required_unless_present = "joints")]
+    pub(crate) strokes: Option<PathBuf>,
+    /// The marked joints of a character (joints.json), in place of limbs
+    #[arg(long, value_name = "J.json", conflicts_with_all = ["strokes", "tracker", "plugin", "set"])]
+    pub(crate) joints: Option<PathBuf>,
+    /// Who follows the limbs: space-time, paper, or a plugin's id [default: the best]
+    #[arg(long, value_name = "ID", default_value = "", hide_default_value = true)]
+    pub(crate) tracker: String,
     #[command(flatten)]
-    pub(crate) drawn: Drawn,
-    /// Where to write the limbs over time
+    pub(crate) plugins: Plugins,
+    /// Where to write the motion
     #[arg(short, long, value_name = "motion.json")]
     pub(crate) output: PathBuf,
 }

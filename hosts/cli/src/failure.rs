@@ -1,5 +1,7 @@
 //! Why a command fails: one line, and an exit code.
 
+use std::path::Path;
+
 use marey_binding::{Error, Status};
 
 pub(crate) const BAD_USE: i32 = 2;
@@ -17,6 +19,11 @@ pub(crate) struct Failure {
 impl Failure {
     pub(crate) fn new(exit_code: i32, message: impl Into<String>) -> Self {
         Self { exit_code, message: message.into() }
+    }
+
+    /// The failure as one of a file's.
+    pub(crate) fn about(self, file: &Path) -> Self {
+        Self::new(self.exit_code, format!("{}: {}", file.display(), self.message))
     }
 }
 

@@ -156,6 +156,34 @@ fn track_writes_a_motion_and_reports_on_it() {
 }
 
 #[test]
+fn joints_are_captured_and_reported_on() {
+    let name = |file: &str| data(&format!("gbot-walk/{file}")).to_str().unwrap().to_owned();
+    let (clip, joints) = (name("frames"), name("joints.json"));
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("motion.json");
+    let out = out.to_str().unwrap();
+    let report = report(&["track", &clip, "--joints", &joints, "-o", out, "--json"]);
+    assert_eq!(report["command"], "track");
+    assert_eq!((report["joints"].as_array().unwrap().len(), report["bones"].as_array().unwrap().len()), (16, 15));
+    assert!(report["visible"].as_f64().unwrap() > 0.5 && report["confidence"].as_f64().unwrap() > 0.5);
+    assert!(report["correct_next"][0]["frame"].is_u64() && report["correct_next"][0]["joint"].is_string());
+    let motion: Value = serde_json::from_str(&std::fs::read_to_string(out).unwrap()).unwrap();
+    assert_eq!((&motion["frames"], &motion["tracks"][0]["kind"]), (&20.into(), &"joint".into()));
+    assert_eq!(motion["bones"][0], serde_json::json!(["Hip", "Chest"]));
+
+    let missing = fails(&["track", &clip, "--joints", "/no/such.json", "-o", out], 3);
+    assert!(missing.contains("/no/such.json"), "{missing}");
+    let (camel, strokes) = camel();
+    assert!(fails(&["track", &camel, "--joints", &joints, "-o", out], 3).contains("joints.json: "));
+    assert!(fails(&["track", &camel, "--joints", &joints, "--strokes", &strokes, "-o", out], 2).contains("--strokes"));
+    let bad = folder.path().join("bad.json");
+    let text = std::fs::read_to_string(&joints).unwrap().replace("[\"Hip\", \"Chest\"]", "[\"Hip\", \"Nobody\"]");
+    std::fs::write(&bad, text).unwrap();
+    let bad = fails(&["track", &clip, "--joints", bad.to_str().unwrap(), "-o", out], 3);
+    assert!(bad.contains("bad.json") && bad.contains("`Nobody`"), "{bad}");
+}
+
+#[test]
 fn segment_writes_a_mask_for_every_frame() {
     let (clip, strokes) = camel();
     let folder = tempfile::tempdir().unwrap();

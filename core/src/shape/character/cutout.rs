@@ -131,9 +131,11 @@ fn unmix(out: &mut RgbaImage, picture: &RgbaImage, drawn: &Mask, paper: &Paper) 
         let Some(ink) = strongest(&|way| way > 0.0).filter(|ink| strength(*ink) > strength(mixed).max(NOISE)) else {
             continue;
         };
-        // On the inner side of a line, which no paper touches, the drawing goes on, paler.
+        // On the inner side of a line, which no paper touches, the drawing goes on, paler; in a notch the line lies on both
+        // sides.
         let touched = around().any(|(dx, dy)| dx.abs() + dy.abs() == 1 && outside((dx, dy)));
-        if own && !touched && strongest(&|way| way < -0.7).is_some_and(|c| strength(c) > strength(mixed)) {
+        let lined = |found: &dyn Fn(f32) -> bool| strongest(found).is_some_and(|c| strength(c) > strength(mixed));
+        if own && !touched && lined(&|way| way < -0.7) && !lined(&|way| way > 0.7) {
             continue;
         }
         let (ground, faint) = (paper.colour(px as usize, py as usize), !own && strength(mixed) <= NOISE);

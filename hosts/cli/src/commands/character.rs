@@ -209,9 +209,9 @@ fn read_motion(session: &Session, path: &Path, view: args::View) -> Result<Motio
 
 fn write_motion(motion: &Motion, path: &Path) -> Result<(), Failure> {
     if is_bvh(path) {
-        motion.write_bvh(utf8(path)?)?
+        motion.write_bvh(utf8(path)?)?;
     } else {
-        motion.write(utf8(path)?)?
+        motion.write(utf8(path)?)?;
     }
     Ok(())
 }

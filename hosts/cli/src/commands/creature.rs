@@ -10,7 +10,7 @@ use crate::watch::watch;
 
 pub(crate) fn creature(session: &Session, args: &Creature) -> Result<(), Failure> {
     session.plugins_for(&args.drawn.plugins, &[&args.drawn.tracker, &args.segmenter])?;
-    let (clip, rig) = session.open(&args.drawn)?;
+    let (clip, rig) = session.open(&args.drawn.clip, &args.drawn.strokes)?;
     let options = CreatureOptions {
         tracker: &args.drawn.tracker,
         segmenter: &args.segmenter,

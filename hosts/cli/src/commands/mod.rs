@@ -30,7 +30,6 @@ use std::time::Instant;
 use marey_binding::{Clip, Context, Rig};
 use serde_json::{Map, Value, json};
 
-use crate::args::Drawn;
 use crate::failure::{BAD_INPUT, BAD_USE, FAILED, Failure};
 use crate::say;
 use crate::watch::Interrupt;
@@ -49,17 +48,20 @@ impl Session {
         Ok(Self { interrupt: Interrupt::listen()?, context: Context::new(threads)?, json, began })
     }
 
-    /// Opens the clip and the strokes, and says what a person should know of the clip.
-    fn open(&self, drawn: &Drawn) -> Result<(Clip, Rig), Failure> {
-        let rig = self.context.read_rig(utf8(&drawn.strokes)?)?;
-        let clip = self.context.open_clip(utf8(&drawn.clip)?)?;
+    /// Opens the clip, and says what a person should know of it.
+    fn open_clip(&self, path: &Path) -> Result<Clip, Failure> {
+        let clip = self.context.open_clip(utf8(path)?)?;
         for warning in clip.info()?.warnings {
-            say::warning(&format!("{}: {warning}", drawn.clip.display()));
+            say::warning(&format!("{}: {warning}", path.display()));
         }
-        rig.validate(Some(&clip)).map_err(|e| {
-            let failure = Failure::from(e);
-            Failure::new(failure.exit_code, format!("{}: {}", drawn.strokes.display(), failure.message))
-        })?;
+        Ok(clip)
+    }
+
+    /// Opens the clip and the strokes, which fit it.
+    fn open(&self, clip: &Path, strokes: &Path) -> Result<(Clip, Rig), Failure> {
+        let rig = self.context.read_rig(utf8(strokes)?)?;
+        let clip = self.open_clip(clip)?;
+        rig.validate(Some(&clip)).map_err(|e| Failure::from(e).about(strokes))?;
         Ok((clip, rig))
     }
 

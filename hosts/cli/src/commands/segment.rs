@@ -10,7 +10,7 @@ use crate::watch::watch;
 
 pub(crate) fn segment(session: &Session, args: &Segment) -> Result<(), Failure> {
     session.plugins_for(&args.drawn.plugins, &[&args.drawn.tracker, &args.segmenter])?;
-    let (clip, rig) = session.open(&args.drawn)?;
+    let (clip, rig) = session.open(&args.drawn.clip, &args.drawn.strokes)?;
     let options = SegmentOptions {
         motion: None,
         tracker: &args.drawn.tracker,

@@ -1,6 +1,9 @@
-//! `marey track CLIP --strokes S.json -o motion.json`
+//! `marey track CLIP (--strokes S.json | --joints J.json) -o motion.json`
 
-use marey_binding::TrackOptions;
+use std::path::Path;
+
+use marey_binding::{Motion, TrackOptions};
+use serde_json::Value;
 
 use super::{Session, check_file, next_stroke, utf8};
 use crate::args::Track;
@@ -10,20 +13,64 @@ use crate::watch::watch;
 
 pub(crate) fn track(session: &Session, args: &Track) -> Result<(), Failure> {
     check_file(&args.output)?;
-    session.plugins_for(&args.drawn.plugins, &[&args.drawn.tracker])?;
-    let (clip, rig) = session.open(&args.drawn)?;
-    let job = session.context.start_track(&clip, &rig, &TrackOptions { tracker: &args.drawn.tracker })?;
+    match (&args.joints, &args.strokes) {
+        (Some(joints), _) => capture(session, args, joints),
+        (None, Some(strokes)) => track_limbs(session, args, strokes),
+        // The parser asks for one of them.
+        (None, None) => Ok(()),
+    }
+}
+
+fn track_limbs(session: &Session, args: &Track, strokes: &Path) -> Result<(), Failure> {
+    session.plugins_for(&args.plugins, &[&args.tracker])?;
+    let (clip, rig) = session.open(&args.clip, strokes)?;
+    let job = session.context.start_track(&clip, &rig, &TrackOptions { tracker: &args.tracker })?;
     watch(&job, &session.interrupt)?;
     let motion = job.take_motion()?;
+    let report = finish(session, args, &motion, &motion.report(&clip, &rig)?)?;
+    if let Some(report) = report {
+        say_tracks(args, &motion, "limbs")?;
+        next_stroke(&report).inspect(|line| say::line(line));
+    }
+    Ok(())
+}
+
+fn capture(session: &Session, args: &Track, marks: &Path) -> Result<(), Failure> {
+    let joints = session.context.read_joints(utf8(marks)?)?;
+    let clip = session.open_clip(&args.clip)?;
+    joints.validate(Some(&clip)).map_err(|e| Failure::from(e).about(marks))?;
+    let job = session.context.start_capture(&clip, &joints, None)?;
+    watch(&job, &session.interrupt)?;
+    let motion = job.take_motion()?;
+    let report = finish(session, args, &motion, &motion.capture_report(&clip, &joints)?)?;
+    if let Some(report) = report {
+        say_tracks(args, &motion, "joints")?;
+        next_mark(&report).inspect(|line| say::line(line));
+    }
+    Ok(())
+}
+
+/// Writes the motion, and says the report where it was asked for; else gives it back.
+fn finish(session: &Session, args: &Track, motion: &Motion, engine: &str) -> Result<Option<Value>, Failure> {
     session.interrupt.check()?;
     motion.write(utf8(&args.output)?)?;
-    let report = session.report("track", &motion.report(&clip, &rig)?, &args.output)?;
+    let report = session.report("track", engine, &args.output)?;
     if session.json {
         say::line(&report.to_string());
-        return Ok(());
+        return Ok(None);
     }
+    Ok(Some(report))
+}
+
+fn say_tracks(args: &Track, motion: &Motion, what: &str) -> Result<(), Failure> {
     let info = motion.info()?;
-    say::line(&format!("{}: {} limbs over {} frames", args.output.display(), info.tracks.len(), info.frames));
-    next_stroke(&report).inspect(|line| say::line(line));
+    say::line(&format!("{}: {} {what} over {} frames", args.output.display(), info.tracks.len(), info.frames));
     Ok(())
+}
+
+/// The mark that would help most, for a person.
+fn next_mark(report: &Value) -> Option<String> {
+    let best = report.get("correct_next")?.get(0)?;
+    let (joint, frame) = (best.get("joint")?.as_str()?, best.get("frame")?.as_u64()?);
+    Some(format!("least certain: `{joint}` on frame {frame}; a rectangle there helps most"))
 }
