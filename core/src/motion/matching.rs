@@ -1,6 +1,7 @@
 //! Which joint of a skeleton follows which place of a motion.
 //!
-//! A map says it, or names do: letter for letter, or else by their letters and digits alone. Where neither leads to one bone
+//! A map says it, or names do: letter for letter, or else by their letters and digits alone, and what hangs on what bears a
+//! name. Where neither leads to one bone
 //! that moves, the two figures are laid over each other, each stretched to a unit square: both are taken apart into a
 //! spine, the longest way between places where the figure branches, and the limbs that hang on it; limbs are paired so
 //! that tips, roots and directions lie close, and joints are placed along what they are paired with by length. A figure
@@ -14,6 +15,7 @@ use std::collections::BTreeMap;
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
+use super::beside_named::completed;
 use super::retarget::{Chain, RestSkeleton, RetargetMap, SourcePlace};
 use super::{Motion, TrackKind};
 use crate::error::{Error, Result};
@@ -24,7 +26,7 @@ use crate::error::{Error, Result};
 pub enum MadeFrom {
     /// The map that was given, and names.
     Map,
-    /// Names.
+    /// Names, and what lies beside joints that bear one.
     Names,
     /// The likeness of the two figures.
     Likeness,
@@ -94,6 +96,10 @@ pub fn complete(
         skeleton.bones.iter().any(|&[a, b]| places[a].is_some() && places[b].is_some())
     };
     let made = |places: Vec<Option<SourcePlace>>, from| {
+        let places = match from {
+            MadeFrom::Names => completed(motion, &skeleton, places, reference),
+            _ => places,
+        };
         let named = places.into_iter().zip(skeleton.joints).filter_map(|(p, j)| Some((j.0.clone(), p?)));
         Ok((RetargetMap { joints: named.collect(), chains: Vec::new() }, from))
     };

@@ -1,5 +1,6 @@
 //! Motion: named tracks over time, whatever made them. Any motion can drive any shape.
 
+mod beside_named;
 mod blend;
 pub mod bvh;
 mod edit;
