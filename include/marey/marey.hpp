@@ -945,7 +945,7 @@ public:
     return other<take, mry_take>([&](mry_take *id, mry_error *err) { return mry_run_take(c(), &desc, id, err); });
   }
   /** A take of a motion. */
-  result<take> play(const motion &motion, const carrying &how = {}) const {
+  result<take> follow(const motion &motion, const carrying &how = {}) const {
     return how.with([&](const mry_retarget_desc *carried) {
       mry_take_desc desc = MRY_TAKE_DESC_INIT;
       desc.character = id_;
