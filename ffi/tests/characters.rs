@@ -169,7 +169,7 @@ fn what_cannot_become_a_character_is_said() {
         &|d, p| {
             (p.width, p.height) = (24, 20);
             p.stride_bytes = 192;
-            d.rig_json = str(&rig)
+            d.rig_json = str(&rig);
         },
         MRY_E_INPUT,
         "48x20",

@@ -1,6 +1,6 @@
 //! A character's take as one binary glTF 2.0 file: a flat mesh on bones, with corrective morph targets.
 //!
-//! Bones, weights and correctives are those of [`super::puppet`]. The frame whose correctives are worst off gives a morph
+//! Bones, weights and correctives are those of `puppet`. The frame whose correctives are worst off gives a morph
 //! target, every frame takes as much of it as fits best, and so on until all are within the tolerance (pivoted
 //! Gram-Schmidt). Weights are `LINEAR` keys, frames left out where the line between their neighbours does; targets are
 //! sparse. Two seconds of key poses take 10 to 30 targets; of captured motion, in which joint areas settle anew in every

@@ -1,7 +1,7 @@
 //! DragonBones JSON, version 5.5, its atlas and its picture.
 //!
 //! One weighted mesh, or where depths change one for each group of regions that stay together, ordered by the `zOrder`
-//! timeline. Bones, weights and correctives are those of [`super::puppet`]; a corrective is a key of an `ffd` timeline, in
+//! timeline. Bones, weights and correctives are those of `puppet`; a corrective is a key of an `ffd` timeline, in
 //! the armature's coordinates at rest. Every vertex is where the take has it within a third of a pixel in every frame.
 //! y is down, a unit is a pixel of the picture times the scale, the origin its top left.
 //!

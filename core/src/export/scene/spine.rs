@@ -1,7 +1,7 @@
 //! Spine JSON, version 4.2, its atlas and its picture, from the format's public description.
 //!
 //! A slot for each bone's region, with a weighted mesh of the region's triangles; `drawOrder` keys carry depths. Bones,
-//! weights and correctives are those of [`super::puppet`]; a corrective is a `deform` key, told to every bone of a vertex
+//! weights and correctives are those of `puppet`; a corrective is a `deform` key, told to every bone of a vertex
 //! in that bone's own coordinates. Every vertex is where the take has it within a third of a pixel in every frame. y is
 //! up, a unit is a pixel of the picture times the scale, the origin its bottom left.
 //!
