@@ -42,9 +42,12 @@ window.player.addEventListener("DOMLoaded", () => (window.result = { frames: dat
 
 const premultiplied = (png) => Float32Array.from(png.data, (v, i) => (i % 4 < 3 ? (v * png.data[i - (i % 4) + 3]) / 255 : v));
 
+// The launcher wants to know where the program is, not what it is called.
+const onPath = (name) => process.env.PATH.split(path.delimiter).map((d) => path.join(d, name)).find((f) => fs.existsSync(f)) ?? name;
+
 (async () => {
   const [folder, chromium] = process.argv.slice(2);
-  const browser = await puppeteer.launch({ executablePath: chromium, headless: true, protocolTimeout: 600000,
+  const browser = await puppeteer.launch({ executablePath: onPath(chromium), headless: true, protocolTimeout: 600000,
     args: ["--no-sandbox", "--allow-file-access-from-files", "--disable-gpu", "--force-color-profile=srgb", "--hide-scrollbars"] });
   const open = async (html) => {
     const file = path.join(folder, "page.html");
