@@ -104,6 +104,15 @@ impl Error {
         Self::Invalid { what: what.into(), problem: problem.into(), remedy: remedy.into() }
     }
 
+    /// What is wrong with a value as what is wrong with the file that says it; other errors as they are.
+    #[must_use]
+    pub fn in_file(self, path: impl AsRef<Path>) -> Self {
+        match self {
+            Self::Invalid { what, problem, remedy } => Self::file(path, format!("{what}: {problem}"), remedy),
+            other => other,
+        }
+    }
+
     /// What a caller should make of it.
     pub fn category(&self) -> Category {
         match self {

@@ -67,10 +67,7 @@ impl JointMarks {
     pub fn read(path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
         let text = std::fs::read_to_string(path).map_err(|e| Error::io(path, "read", e))?;
-        Self::from_json(&text).map_err(|e| match e {
-            Error::Invalid { what, problem, remedy } => Error::file(path, format!("{what}: {problem}"), remedy),
-            other => other,
-        })
+        Self::from_json(&text).map_err(|e| e.in_file(path))
     }
 
     /// Parses and validates the text of a joints.json.

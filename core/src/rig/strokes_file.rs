@@ -69,10 +69,7 @@ impl Rig {
     pub fn read(path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
         let text = std::fs::read_to_string(path).map_err(|e| Error::io(path, "read", e))?;
-        let mut rig = Self::from_json(&text).map_err(|e| match e {
-            Error::Invalid { what, problem, remedy } => Error::file(path, format!("{what}: {problem}"), remedy),
-            other => other,
-        })?;
+        let mut rig = Self::from_json(&text).map_err(|e| e.in_file(path))?;
         let beside = path.parent().unwrap_or(Path::new(""));
         for mask in rig.keyframes.iter_mut().filter_map(|k| k.mask.as_mut()) {
             *mask = beside.join(&mask);

@@ -154,10 +154,7 @@ impl Poses {
     pub fn read(path: impl AsRef<Path>, character: &Character) -> Result<Self> {
         let path = path.as_ref();
         let text = std::fs::read_to_string(path).map_err(|e| Error::io(path, "read", e))?;
-        Self::from_json(&text, character).map_err(|error| match error {
-            Error::Invalid { what, problem, remedy } => Error::file(path, format!("{what}: {problem}"), remedy),
-            other => other,
-        })
+        Self::from_json(&text, character).map_err(|e| e.in_file(path))
     }
 
     /// Reads the text of a poses.json for a character.

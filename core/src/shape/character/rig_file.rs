@@ -36,10 +36,7 @@ impl Character {
     pub fn read(path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
         let text = std::fs::read_to_string(path).map_err(|e| Error::io(path, "read", e))?;
-        Self::from_json(&text).map_err(|error| match error {
-            Error::Invalid { what, problem, remedy } => Error::file(path, format!("{what}: {problem}"), remedy),
-            other => other,
-        })
+        Self::from_json(&text).map_err(|e| e.in_file(path))
     }
 
     /// Reads the text of a rig.json.
