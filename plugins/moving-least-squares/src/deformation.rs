@@ -285,47 +285,46 @@ fn pull(
     }
     let power = if falloff == Falloff::Steep { 2 } else { 1 };
     // Moments of every handle; a point's are all its weight on its only end.
-    let mut all = Vec::with_capacity(bones.len());
-    let mut total = 0.0;
-    let mut centre = DVec2::ZERO;
-    for (i, bone) in bones.iter().enumerate() {
-        let less = detour(i).powi(-2 * power);
-        let [root, mixed, tip] = if bone.short {
-            let weight = less * unit / bone.nearest(v).1.powi(2 * power);
-            if bone.is_bone { [0.25 * weight; 3] } else { [weight, 0.0, 0.0] }
-        } else {
+    let all: Vec<[f64; 3]> = bones
+        .iter()
+        .enumerate()
+        .map(|(i, bone)| {
+            let less = detour(i).powi(-2 * power);
+            if bone.short {
+                let weight = less * unit / bone.nearest(v).1.powi(2 * power);
+                return if bone.is_bone { [0.25 * weight; 3] } else { [weight, 0.0, 0.0] };
+            }
             let m = moments(bone.root, bone.tip, v, falloff);
             [less * m.root, less * m.mixed, less * m.tip]
-        };
-        total += root + 2.0 * mixed + tip;
-        centre += bone.root * (root + mixed) + bone.tip * (mixed + tip);
-        all.push([root, mixed, tip]);
-    }
-    centre /= total;
-    let arm = v - centre;
+        })
+        .collect();
+    let weight = |&[root, mixed, tip]: &[f64; 3]| root + 2.0 * mixed + tip;
+    let total: f64 = all.iter().map(weight).sum();
+    // Measured from the heaviest handle: beside it the centre is so near that its place itself has too few digits.
+    let heaviest = (0..all.len()).max_by(|&i, &j| weight(&all[i]).total_cmp(&weight(&all[j]))).unwrap_or(0);
+    let origin = bones[heaviest].root;
+    let from_origin = bones
+        .iter()
+        .zip(&all)
+        .map(|(bone, [root, mixed, tip])| (bone.root - origin) * (root + mixed) + (bone.tip - origin) * (mixed + tip));
+    let centre = from_origin.sum::<DVec2>() / total;
+    let arm = v - origin - centre;
     // Handles in one place do not say how to turn; what is left of their difference is rounding.
-    let spread = bones.iter().zip(&all).map(|(bone, [root, mixed, tip])| {
-        let (a, b) = (bone.root - centre, bone.tip - centre);
-        root * a.length_squared() + 2.0 * mixed * a.dot(b) + tip * b.length_squared()
-    });
-    let turns = spread.sum::<f64>() / total > (100.0 * touching).powi(2);
-    let arm_or_none = if turns { arm } else { DVec2::ZERO };
+    let turns = bones.iter().flat_map(|b| [b.root, b.tip]).any(|p| p.distance(origin) > 100.0 * touching);
+    let direction = if turns { arm.normalize_or_zero() } else { DVec2::ZERO };
     // Complex products: turn = arm * conj(handle's end from the centre), summed by moments.
-    let product = |from: DVec2| {
-        let arm = arm_or_none;
-        DVec2::new(arm.x * from.x + arm.y * from.y, arm.y * from.x - arm.x * from.y) / total
-    };
-    let mut control = 0;
-    for (bone, [root, mixed, tip]) in bones.iter().zip(all) {
-        let (a, b) = (bone.root - centre, bone.tip - centre);
-        let mut put = |share: f64, turn: DVec2| {
-            pulls[control] = Pull { share: (share / total) as f32, turn: turn.as_vec2() };
-            control += 1;
-        };
-        put(root + mixed, product(a * root + b * mixed));
-        if bone.is_bone {
-            put(mixed + tip, product(a * mixed + b * tip));
-        }
+    let product = |from: DVec2| DVec2::new(direction.dot(from), from.perp_dot(direction));
+    let ends = bones.iter().zip(&all).flat_map(|(bone, [root, mixed, tip])| {
+        let (a, b) = (bone.root - origin - centre, bone.tip - origin - centre);
+        let at_root = (root + mixed, product(a * *root + b * *mixed));
+        let at_tip = (mixed + tip, product(a * *mixed + b * *tip));
+        [Some(at_root), bone.is_bone.then_some(at_tip)].into_iter().flatten()
+    });
+    let ends: Vec<(f64, DVec2)> = ends.collect();
+    // Only the direction of their sum counts, and beside a handle they are too small for single precision.
+    let largest = ends.iter().map(|(_, turn)| turn.abs().max_element()).fold(f64::MIN_POSITIVE, f64::max);
+    for (pull, (share, turn)) in pulls.iter_mut().zip(ends) {
+        *pull = Pull { share: (share / total) as f32, turn: (turn / largest).as_vec2() };
     }
     (arm.length() as f32, arm.as_vec2())
 }

@@ -143,6 +143,17 @@ proptest! {
 }
 
 #[test]
+fn a_vertex_close_beside_a_handle_turns_with_those_far_away() {
+    // (0, 14) is so near to the first handle that the others' weight is a 10^-11 of its own.
+    let rest = [Handle::Point(vec2(0.0, 13.977)), Handle::Point(Vec2::ZERO), Handle::Point(Vec2::ZERO)];
+    let turned = |p: Vec2| Vec2::from_angle(-2.45).rotate(p);
+    for settings in all_settings() {
+        let q = solve(settings, &rest, &moved(&rest, turned))[7 * 31];
+        assert!(q.distance(turned(vec2(0.0, 14.0))) < 1e-4, "{settings:?}: {q}");
+    }
+}
+
+#[test]
 fn near_a_handle_the_shape_comes_near_its_place() {
     let rest = [Handle::Bone(vec2(1.0, 10.01), vec2(29.0, 10.01)), Handle::Point(vec2(59.99, 10.0))];
     let targets = [Handle::Bone(vec2(1.0, 30.0), vec2(29.0, 30.0)), Handle::Point(vec2(70.0, 0.0))];
