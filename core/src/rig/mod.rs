@@ -1,10 +1,12 @@
 //! What the user drew: labelled limbs, strokes on key frames, painted hints, and the tree they make.
 
 mod joint_marks;
+mod point_marks;
 mod skeleton;
 mod strokes_file;
 
 pub use joint_marks::{JointMark, JointMarks};
+pub use point_marks::{PointKey, PointMark, PointMarks};
 pub use skeleton::{LimbChain, Skeleton};
 
 use glam::Vec2;

@@ -5,3 +5,4 @@ pub mod creature;
 mod rigged_model;
 
 pub use rigged_model::{Bone, RiggedModel, SkinnedPart, Transform};
+pub mod sketch;

@@ -11,7 +11,7 @@ use crate::clip::Clip;
 use crate::error::Result;
 use crate::job::Stage;
 use crate::motion::Motion;
-use crate::rig::{JointMarks, Rig};
+use crate::rig::{JointMarks, PointMarks, Rig};
 
 /// Anything that turns key-frame strokes into strokes on every frame.
 pub trait Tracker: Send + Sync {
@@ -51,4 +51,14 @@ pub trait TrackJoints: Send + Sync {
         let _ = earlier;
         self.track_joints(clip, marks, stage)
     }
+}
+
+/// Anything that turns marked points into points on every frame.
+pub trait TrackPoints: Send + Sync {
+    /// Tracks every point of `marks` over `clip`: a motion with one track a point, of one point, in the marks' order.
+    /// Where a point is marked it is exactly at its mark.
+    ///
+    /// # Errors
+    /// The marks are not of this clip or not valid, a frame cannot be read, or the caller cancelled.
+    fn track_points(&self, clip: &Clip, marks: &PointMarks, stage: Stage<'_>) -> Result<Motion>;
 }
