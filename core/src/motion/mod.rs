@@ -6,6 +6,7 @@ pub mod bvh;
 mod edit;
 pub mod matching;
 mod motion_file;
+pub mod paths;
 pub mod retarget;
 
 pub use blend::blend_tree;

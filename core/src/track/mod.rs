@@ -1,5 +1,6 @@
 //! Trackers: from what the user marked on a few frames to a [`Motion`] over all of them.
 
+mod confidence;
 mod earlier;
 pub mod flow;
 pub mod joint;

@@ -6,10 +6,8 @@ use serde::{Deserialize, Serialize};
 use crate::clip::ClipInfo;
 use crate::motion::Motion;
 use crate::rig::JointMarks;
+use crate::track::confidence::{Confidence, doubts};
 
-/// How many corrections are suggested, and the share of the clip between two of one joint: each helps its neighbours.
-const SUGGESTIONS: usize = 5;
-const GAP: f32 = 0.1;
 /// A joint that is seen less often than this is worth a warning.
 const HARDLY: f32 = 0.05;
 
@@ -82,31 +80,15 @@ impl CaptureReport {
     pub fn new(clip: &ClipInfo, marks: &JointMarks, motion: &Motion) -> Self {
         let mut warnings = clip.warnings.clone();
         let mut joints = Vec::new();
-        let (mut seen, mut trusted, mut count) = (0usize, 0.0f64, 0usize);
-        for track in &motion.tracks {
-            let points = track
-                .frames
-                .iter()
-                .enumerate()
-                .filter_map(|(f, frame)| Some((f, *frame.confidence.first()?, *frame.visible.first()?)));
-            let (mut sum, mut n, mut visible, mut lowest) = (0.0f64, 0usize, 0usize, (f32::INFINITY, 0));
-            for (f, confidence, is_seen) in points {
-                sum += f64::from(confidence);
-                n += 1;
-                visible += usize::from(is_seen);
-                if confidence < lowest.0 {
-                    lowest = (confidence, f);
-                }
-            }
-            (seen, trusted, count) = (seen + visible, trusted + sum, count + n);
-            let visible = visible as f32 / n.max(1) as f32;
-            if visible < HARDLY {
+        let all: Vec<Confidence> = motion.tracks.iter().map(Confidence::of).collect();
+        for (track, c) in motion.tracks.iter().zip(&all) {
+            if c.visible() < HARDLY {
                 warnings.push(format!("joint `{}` is hardly ever seen", track.name));
             }
-            let mean = (sum / n.max(1) as f64) as f32;
-            let (lowest, lowest_frame) = if n == 0 { (0.0, 0) } else { lowest };
-            joints.push(JointConfidence { joint: track.name.clone(), mean, lowest, lowest_frame, visible });
+            let (joint, (lowest, lowest_frame)) = (track.name.clone(), c.lowest);
+            joints.push(JointConfidence { joint, mean: c.mean, lowest, lowest_frame, visible: c.visible() });
         }
+        let count = all.iter().map(|c| c.frames).sum::<usize>().max(1);
         let whole = marks.whole_frame();
         let bones = marks.bones.iter().filter_map(|bone| bone_length(motion, bone, whole)).collect();
         Self {
@@ -114,11 +96,14 @@ impl CaptureReport {
             version: 1,
             frames: motion.frames,
             marked_frames: marks.frames(),
-            visible: seen as f32 / count.max(1) as f32,
-            confidence: (trusted / count.max(1) as f64) as f32,
+            visible: all.iter().map(|c| c.seen).sum::<usize>() as f32 / count as f32,
+            confidence: all.iter().map(|c| c.mean * c.frames as f32).sum::<f32>() / count as f32,
             joints,
             bones,
-            correct_next: corrections(motion),
+            correct_next: doubts(motion)
+                .into_iter()
+                .map(|d| JointCorrection { frame: d.frame, joint: d.track.to_owned(), confidence: d.confidence })
+                .collect(),
             warnings,
         }
     }
@@ -136,24 +121,4 @@ fn bone_length(motion: &Motion, bone: &(String, String), whole: Option<usize>) -
     let shortest = lengths.iter().copied().reduce(f32::min)?;
     let longest = lengths.iter().copied().reduce(f32::max)?;
     Some(BoneLength { bone: bone.clone(), marked: lengths.get(whole?).copied()?, shortest, longest })
-}
-
-/// The joints and frames that are trusted least, apart from each other.
-fn corrections(motion: &Motion) -> Vec<JointCorrection> {
-    let all = motion.tracks.iter().flat_map(|t| {
-        t.frames.iter().enumerate().filter_map(move |(f, frame)| Some((*frame.confidence.first()?, f, t.name.as_str())))
-    });
-    let mut all: Vec<(f32, usize, &str)> = all.filter(|c| c.0 < 1.0).collect();
-    all.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-    let gap = (GAP * motion.frames as f32) as usize;
-    let mut chosen: Vec<JointCorrection> = Vec::new();
-    for (confidence, frame, joint) in all {
-        if chosen.iter().all(|c| c.joint != joint || c.frame.abs_diff(frame) > gap) {
-            chosen.push(JointCorrection { frame, joint: joint.to_owned(), confidence });
-            if chosen.len() == SUGGESTIONS {
-                break;
-            }
-        }
-    }
-    chosen
 }
