@@ -10,7 +10,7 @@
 //! Limits: pieces that are shrunk to less than a quarter are sampled too sparsely; give a texture that is scaled down.
 
 use glam::{DVec2, Vec2, Vec4};
-use image::{ImageBuffer, Rgba, RgbaImage, imageops};
+use image::{ImageBuffer, Rgba, RgbaImage};
 
 use super::Grid;
 use super::cover::Cover;
@@ -93,14 +93,11 @@ fn shrunk(
     scale: f32,
     (width, height): (u32, u32),
 ) -> ImageBuffer<Rgba<f32>, Vec<f32>> {
-    // The last column and row may reach past the picture: there it is clear, not wider.
-    let reach = |n: u32| (n as f32 / scale).ceil() as u32;
-    let mut padded = ImageBuffer::new(reach(width).max(picture.width()), reach(height).max(picture.height()));
-    imageops::replace(&mut padded, picture, 0, 0);
-    let row = weights(width, scale, padded.width());
-    let column = weights(height, scale, padded.height());
-    let mut narrow = ImageBuffer::from_pixel(width, padded.height(), Rgba([0.0f32; 4]));
-    for (to, from) in narrow.rows_mut().zip(padded.rows()) {
+    // The last column and row may reach past the picture: there it is clear, which adds nothing.
+    let row = weights(width, scale, picture.width());
+    let column = weights(height, scale, picture.height());
+    let mut narrow = ImageBuffer::from_pixel(width, picture.height(), Rgba([0.0f32; 4]));
+    for (to, from) in narrow.rows_mut().zip(picture.rows()) {
         let from: Vec<Vec4> = from.map(|p| Vec4::from_array(p.0)).collect();
         for (p, (first, parts)) in to.zip(&row) {
             p.0 = parts.iter().zip(&from[*first..]).map(|(w, v)| *w * *v).sum::<Vec4>().to_array();
@@ -367,5 +364,7 @@ mod tests {
         assert_eq!(shown.get_pixel(1, 1).0, [200, 100, 0, 128]);
         // Only half of the last column lies over the picture.
         assert_eq!(shown.get_pixel(4, 1).0, [200, 100, 0, 64]);
+        // A scale at which nothing is left.
+        assert_eq!(Texture::new(&fine, &no_zones(9, 6), 1e-40).size, [3, 3]);
     }
 }
