@@ -4,6 +4,7 @@ pub mod arap;
 pub mod needles;
 mod regions;
 pub(crate) mod sparse;
+pub mod stroke_preserving;
 
 use glam::Vec2;
 

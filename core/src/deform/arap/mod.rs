@@ -329,16 +329,16 @@ impl Deformation for Arap {
     }
 }
 
-struct Checked {
-    triangles: Vec<[u32; 3]>,
+pub(super) struct Checked {
+    pub(super) triangles: Vec<[u32; 3]>,
     /// 1 where triangles turn from x to y, else -1.
     orientation: f32,
     /// The mean edge's length.
-    edge: f32,
+    pub(super) edge: f32,
 }
 
 /// The triangles that have an area.
-fn check(mesh: RestMesh<'_>) -> Result<Checked> {
+pub(super) fn check(mesh: RestMesh<'_>) -> Result<Checked> {
     let bad = |i: usize, problem: String, remedy: &str| Err(Error::invalid(format!("triangle {i}"), problem, remedy));
     if let Some(i) = mesh.points.iter().position(|p| !p.is_finite()) {
         return Err(Error::invalid(format!("vertex {i} of the mesh"), "is not a number", "give finite places"));

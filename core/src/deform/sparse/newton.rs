@@ -5,13 +5,54 @@
 //! in place: nothing is looked up, copied or allocated while it is used. Solved by plain substitution, as few
 //! right-hand sides share one factor.
 
+use std::iter::Sum;
+use std::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Sub, SubAssign};
+
 use glam::{DMat2, DVec2, Vec2};
 
 use super::Graph;
 use super::cholesky::Symbolic;
 
-/// Numbers of a factor. 32 bits: a step needs no more digits, and vectors hold twice as many.
-type Real = f32;
+/// Numbers of a factor. 32 bits hold twice as many in a vector, and a step on a mesh alone needs no more digits; where
+/// some terms are a million times as stiff as others, 64 do.
+pub(crate) trait Real:
+    Copy
+    + Default
+    + PartialOrd
+    + AddAssign
+    + SubAssign
+    + MulAssign
+    + DivAssign
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Sum
+{
+    /// The nearest number.
+    fn of(value: f64) -> Self;
+    /// The same number in 64 bits.
+    fn wide(self) -> f64;
+    /// Its square root.
+    fn root(self) -> Self;
+}
+
+macro_rules! real {
+    ($($number:ty),*) => {$(
+        impl Real for $number {
+            fn of(value: f64) -> Self {
+                value as Self
+            }
+            fn wide(self) -> f64 {
+                f64::from(self)
+            }
+            fn root(self) -> Self {
+                self.sqrt()
+            }
+        }
+    )*};
+}
+real!(f32, f64);
 
 #[derive(Clone, Copy, Debug)]
 struct Front {
@@ -56,11 +97,11 @@ pub(crate) struct Fronts {
 
 /// A matrix, or its factor.
 #[derive(Clone, Debug)]
-pub(crate) struct Matrix {
-    values: Vec<Real>,
+pub(crate) struct Matrix<R = f32> {
+    values: Vec<R>,
     /// What fronts leave for their parents, one after the other.
-    left: Vec<Real>,
-    column: Vec<Real>,
+    left: Vec<R>,
+    column: Vec<R>,
 }
 
 impl Fronts {
@@ -105,8 +146,9 @@ impl Fronts {
     }
 
     /// Room for a matrix.
-    pub(crate) fn matrix(&self) -> Matrix {
-        Matrix { values: vec![0.0; self.values], left: Vec::new(), column: vec![0.0; self.highest] }
+    pub(crate) fn matrix<R: Real>(&self) -> Matrix<R> {
+        let zero = R::default();
+        Matrix { values: vec![zero; self.values], left: Vec::new(), column: vec![zero; self.highest] }
     }
 
     /// Where the block of a vertex and another one, or itself, lies, which touch.
@@ -127,7 +169,7 @@ impl Fronts {
     }
 
     /// Replaces a matrix by its factor; whether it is positive definite.
-    pub(crate) fn factor(&self, matrix: &mut Matrix) -> bool {
+    pub(crate) fn factor<R: Real>(&self, matrix: &mut Matrix<R>) -> bool {
         let Matrix { values, left, .. } = matrix;
         // Where each thing in `left` begins, and whose it is.
         let mut stack: Vec<(usize, usize)> = Vec::new();
@@ -136,7 +178,7 @@ impl Fronts {
             let (height, k, m) = (front.height(), 2 * front.len as usize, 2 * front.below as usize);
             let panel = &mut values[front.panel()];
             let begins = left.len();
-            left.resize(begins + m * m, 0.0);
+            left.resize(begins + m * m, R::default());
             let (given, own) = left.split_at_mut(begins);
             let from = stack.len() - front.children as usize;
             for &(child, at) in &stack[from..] {
@@ -185,24 +227,24 @@ impl Fronts {
     }
 
     /// Solves with a factor.
-    pub(crate) fn solve(&self, factor: &mut Matrix, right: &mut [DVec2]) {
+    pub(crate) fn solve<R: Real>(&self, factor: &mut Matrix<R>, right: &mut [DVec2]) {
         let Matrix { values, column, .. } = factor;
         for front in &self.fronts {
             let (height, k) = (front.height(), 2 * front.len as usize);
             let t = &mut column[..height];
             let own = front.first as usize..(front.first + front.len) as usize;
             gather(&right[own.clone()], t);
-            t[k..].fill(0.0);
+            t[k..].fill(R::default());
             for (j, l) in values[front.panel()].chunks_exact(height).enumerate() {
                 t[j] /= l[j];
                 let x = t[j];
-                t[j + 1..].iter_mut().zip(&l[j + 1..]).for_each(|(t, l)| *t -= x * l);
+                t[j + 1..].iter_mut().zip(&l[j + 1..]).for_each(|(t, l)| *t -= x * *l);
             }
             for (v, t) in right[own].iter_mut().zip(t.as_chunks::<2>().0) {
-                *v = DVec2::new(f64::from(t[0]), f64::from(t[1]));
+                *v = DVec2::new(t[0].wide(), t[1].wide());
             }
             for (&r, t) in self.rows[front.rows()].iter().zip(t[k..].as_chunks::<2>().0) {
-                right[r as usize] += DVec2::new(f64::from(t[0]), f64::from(t[1]));
+                right[r as usize] += DVec2::new(t[0].wide(), t[1].wide());
             }
         }
         for front in self.fronts.iter().rev() {
@@ -211,89 +253,98 @@ impl Fronts {
             let own = front.first as usize..(front.first + front.len) as usize;
             gather(&right[own.clone()], t);
             for (&r, t) in self.rows[front.rows()].iter().zip(t[k..].as_chunks_mut::<2>().0) {
-                *t = [right[r as usize].x as Real, right[r as usize].y as Real];
+                *t = [R::of(right[r as usize].x), R::of(right[r as usize].y)];
             }
             for (j, l) in values[front.panel()].chunks_exact(height).enumerate().rev() {
                 t[j] = (t[j] - dot(&l[j + 1..], &t[j + 1..])) / l[j];
             }
             for (v, t) in right[own].iter_mut().zip(t.as_chunks::<2>().0) {
-                *v = DVec2::new(f64::from(t[0]), f64::from(t[1]));
+                *v = DVec2::new(t[0].wide(), t[1].wide());
             }
         }
     }
 }
 
-impl Matrix {
+impl<R: Real> Matrix<R> {
     /// Makes it zero.
     pub(crate) fn clear(&mut self) {
-        self.values.fill(0.0);
+        self.values.fill(R::default());
+    }
+
+    /// Makes it the same as another one on the same graph.
+    pub(crate) fn copy_from(&mut self, other: &Self) {
+        self.values.copy_from_slice(&other.values);
     }
 
     /// Adds to the block at `slot` of columns `stride` high.
     pub(crate) fn add(&mut self, slot: u32, stride: u32, block: DMat2) {
         let own = &mut self.values[slot as usize..(slot + stride) as usize + 2];
-        own[0] += block.x_axis.x as Real;
-        own[1] += block.x_axis.y as Real;
-        own[stride as usize] += block.y_axis.x as Real;
-        own[stride as usize + 1] += block.y_axis.y as Real;
+        own[0] += R::of(block.x_axis.x);
+        own[1] += R::of(block.x_axis.y);
+        own[stride as usize] += R::of(block.y_axis.x);
+        own[stride as usize + 1] += R::of(block.y_axis.y);
     }
 
     /// Multiplies what lies on the diagonal of a block on the diagonal.
-    pub(crate) fn damp(&mut self, slot: u32, stride: u32, by: Real) {
+    pub(crate) fn damp(&mut self, slot: u32, stride: u32, by: R) {
         self.values[slot as usize] *= by;
         self.values[(slot + stride) as usize + 1] *= by;
     }
 }
 
-fn gather(from: &[DVec2], to: &mut [Real]) {
+fn gather<R: Real>(from: &[DVec2], to: &mut [R]) {
     for (v, t) in from.iter().zip(to.as_chunks_mut::<2>().0) {
-        *t = [v.x as Real, v.y as Real];
+        *t = [R::of(v.x), R::of(v.y)];
     }
 }
 
 /// In eight sums, that vectors hold, and always in the same order.
-fn dot(a: &[Real], b: &[Real]) -> Real {
-    let mut sums = [0.0; 8];
+fn dot<R: Real>(a: &[R], b: &[R]) -> R {
+    let mut sums = [R::default(); 8];
     let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<8>(), b.as_chunks::<8>());
     for (a, b) in a.iter().zip(b) {
         for l in 0..8 {
             sums[l] += a[l] * b[l];
         }
     }
-    let rest: Real = a_rest.iter().zip(b_rest).map(|(a, b)| a * b).sum();
-    sums.iter().sum::<Real>() + rest
+    let rest: R = a_rest.iter().zip(b_rest).map(|(a, b)| *a * *b).sum();
+    sums.into_iter().sum::<R>() + rest
 }
 
 /// Factors the `k` columns of a panel, two at a time.
-fn eliminate(panel: &mut [Real], height: usize, k: usize) -> bool {
+fn eliminate<R: Real>(panel: &mut [R], height: usize, k: usize) -> bool {
     for j in (0..k).step_by(2) {
         let (done, rest) = panel.split_at_mut(j * height);
         let (first, second) = rest[..2 * height].split_at_mut(height);
         let (first, second) = (&mut first[j..], &mut second[j..]);
         subtract(first, second, done, height, j, j);
-        // Written so that a pivot that is not a number fails as well.
-        if !(first[0] > 0.0 && first[0].is_finite()) {
+        if !positive(first[0]) {
             return false;
         }
-        let root = first[0].sqrt();
+        let root = first[0].root();
         first[0] = root;
-        let inverse = 1.0 / root;
+        let inverse = R::of(1.0) / root;
         first[1..].iter_mut().for_each(|x| *x *= inverse);
         let f = first[1];
-        second[1..].iter_mut().zip(&first[1..]).for_each(|(y, x)| *y -= f * x);
-        if !(second[1] > 0.0 && second[1].is_finite()) {
+        second[1..].iter_mut().zip(&first[1..]).for_each(|(y, x)| *y -= f * *x);
+        if !positive(second[1]) {
             return false;
         }
-        let root = second[1].sqrt();
+        let root = second[1].root();
         second[1] = root;
-        let inverse = 1.0 / root;
+        let inverse = R::of(1.0) / root;
         second[2..].iter_mut().for_each(|x| *x *= inverse);
     }
     true
 }
 
+/// Whether a pivot serves; one that is not a number does not.
+fn positive<R: Real>(pivot: R) -> bool {
+    pivot > R::default() && pivot.wide().is_finite()
+}
+
 /// Takes off two columns, from their row `row` on, what the first `k` columns of a panel ask for.
-fn subtract(first: &mut [Real], second: &mut [Real], panel: &[Real], height: usize, row: usize, k: usize) {
+fn subtract<R: Real>(first: &mut [R], second: &mut [R], panel: &[R], height: usize, row: usize, k: usize) {
     let n = height - row;
     let (first, second) = (&mut first[..n], &mut second[..n]);
     let column = |p: usize| &panel[p * height + row..(p + 1) * height];
@@ -324,7 +375,7 @@ mod tests {
 
     /// A matrix on a grid of triangles, made of a positive block for every vertex and every edge, and its product with
     /// `x`.
-    fn system(side: usize, seed: &[f64], x: &[DVec2]) -> (Fronts, Matrix, Vec<DVec2>, Vec<u32>) {
+    fn system(side: usize, seed: &[f64], x: &[DVec2]) -> (Fronts, Matrix<f32>, Vec<DVec2>, Vec<u32>) {
         let at = |r: usize, c: usize| (r * side + c) as u32;
         let cells = (0..side - 1).flat_map(|r| (0..side - 1).map(move |c| (r, c)));
         let triangles: Vec<[u32; 3]> = cells
