@@ -9,6 +9,19 @@ pub fn signed_area(polygon: &[Vec2]) -> f64 {
     0.5 * double
 }
 
+/// The lowest and the highest corner of the box around some places; `None` around none.
+pub fn extent(places: &[Vec2]) -> Option<(Vec2, Vec2)> {
+    let first = *places.first()?;
+    Some(places.iter().fold((first, first), |(low, high), p| (low.min(*p), high.max(*p))))
+}
+
+/// The place on the polygon's edges that is nearest to `p`; `p` for a polygon without corners.
+pub fn nearest(polygon: &[Vec2], p: Vec2) -> Vec2 {
+    let edges = polygon.iter().zip(polygon.iter().cycle().skip(1));
+    let places = edges.map(|(a, b)| nearest_on_segment(*a, *b, p).1);
+    places.min_by(|a, b| a.distance_squared(p).total_cmp(&b.distance_squared(p))).unwrap_or(p)
+}
+
 /// Whether `p` lies inside an odd number of the polygons: within one, and not in its holes.
 pub fn contain(polygons: &[Vec<Vec2>], p: Vec2) -> bool {
     let mut inside = false;

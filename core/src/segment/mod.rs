@@ -7,6 +7,8 @@ mod contrast;
 mod cost_volume;
 mod cut;
 mod evidence;
+pub(crate) mod figure;
+pub mod grab_cut;
 mod grid_cut;
 mod layered;
 mod limb_radius;

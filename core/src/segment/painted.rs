@@ -9,7 +9,7 @@ use glam::{Vec2, vec2};
 
 use crate::error::{Error, Result};
 use crate::raster::{Grid, Mask};
-use crate::rig::{KeyFrame, Rig};
+use crate::rig::{KeyFrame, Paint, Rig};
 
 /// What is known of a pixel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -56,7 +56,7 @@ impl Painted {
     }
 }
 
-fn reduce(known: &Grid<Known>, width: usize, height: usize) -> Grid<Known> {
+pub(super) fn reduce(known: &Grid<Known>, width: usize, height: usize) -> Grid<Known> {
     let mut votes = Grid::new(width, height, (0u32, 0u32));
     for y in 0..known.height() {
         let to = y * height / known.height();
@@ -100,17 +100,22 @@ fn paint(size: (u32, u32), key: &KeyFrame) -> Result<Grid<Known>> {
             }
         }
     }
-    for stroke in &key.paint {
+    brush_over(&mut known, &key.paint);
+    Ok(known)
+}
+
+/// Paints strokes over what is known, each over those before it.
+pub(super) fn brush_over(known: &mut Grid<Known>, strokes: &[Paint]) {
+    for stroke in strokes {
         let what = if stroke.foreground { Known::Creature } else { Known::Background };
         let last = stroke.points.last().copied();
         for pair in stroke.points.windows(2) {
-            brush(&mut known, pair[0], pair[1], stroke.radius, what);
+            brush(known, pair[0], pair[1], stroke.radius, what);
         }
         if let (1, Some(dot)) = (stroke.points.len(), last) {
-            brush(&mut known, dot, dot, stroke.radius, what);
+            brush(known, dot, dot, stroke.radius, what);
         }
     }
-    Ok(known)
 }
 
 /// Paints every pixel whose centre is within `radius` of the segment.
