@@ -32,3 +32,4 @@ pub mod track;
 
 pub use error::{Category, Error, Result};
 pub use glam::{Vec2, Vec3, vec2, vec3};
+pub use kurbo;
