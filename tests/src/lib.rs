@@ -4,3 +4,4 @@
 pub mod editing;
 pub mod scene;
 pub mod score;
+pub mod sketches;

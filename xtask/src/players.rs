@@ -1,4 +1,4 @@
-//! `cargo xtask players [DATA]`: takes of characters played by programs that are not ours, and compared.
+//! `cargo xtask players [DATA]`: takes of characters and sketches played by programs that are not ours, and compared.
 //!
 //! Three.js and lottie-web in a headless Chromium, the DragonBones runtime in node, and a reader of Spine's JSON of our own,
 //! as Spine's runtimes need a licence of their editor. The first run fetches them as npm packages at pinned versions, and
@@ -14,11 +14,12 @@ use crate::{system, validator};
 const PACKAGES: [&str; 5] =
     ["pixi5-dragonbones@5.7.0-2b", "lottie-web@5.13.0", "three@0.187.0", "puppeteer-core@24.43.1", "pngjs@7.0.0"];
 
-const SCRIPTS: [(&str, &str); 4] = [
+const SCRIPTS: [(&str, &str); 5] = [
     ("common.js", include_str!("players/common.js")),
     ("dragonbones.js", include_str!("players/dragonbones.js")),
     ("spine.js", include_str!("players/spine.js")),
     ("browser.js", include_str!("players/browser.js")),
+    ("sketches.js", include_str!("players/sketches.js")),
 ];
 
 /// Runs everything; fails when a player shows something else than we do.

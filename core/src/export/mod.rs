@@ -1,6 +1,7 @@
 //! Everything that leaves the engine: files for other programs and pictures for people.
 
 pub mod animation;
+mod bind_preview;
 mod canvas;
 mod creature_folder;
 mod folder;
@@ -15,9 +16,12 @@ mod preview;
 pub mod report;
 mod rig_preview;
 pub mod scene;
+pub mod sketch;
 pub mod take;
+mod vector;
 mod write_aside;
 
+pub use bind_preview::bind_preview;
 pub use creature_folder::{CreatureFiles, FolderOptions, check_creature_folder, write_creature};
 pub use folder::StagedFolder;
 pub use masks::{check_mask_folder, write_mask_folder, write_masks};

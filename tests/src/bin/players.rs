@@ -19,6 +19,7 @@ use marey::job::Progress;
 use marey::motion::bvh::{View, from_bvh};
 use marey::motion::retarget::{RestSkeleton, RetargetMap, RetargetParams, SourcePlace, retarget};
 use marey::shape::character::{Animation, Character, Easing, Joint, KeyPose, Poses, RigParams, Skeleton, Take};
+use marey_tests::sketches;
 use serde_json::json;
 
 struct Case {
@@ -47,6 +48,17 @@ fn main() -> Result<()> {
         names.push(&case.name);
     }
     std::fs::write(out.join("cases.json"), serde_json::to_vec(&names)?)?;
+    let mut moving = sketches::drawn();
+    if let Some(data) = data {
+        moving.extend(sketches::read(&data.join("drawings/strokes"))?);
+    }
+    for case in &moving {
+        // As large as players show them.
+        let scale = 512.0 / case.drawing.size.0.max(case.drawing.size.1);
+        sketches::write(out, case, scale).with_context(|| case.name.clone())?;
+    }
+    let names: Vec<&String> = moving.iter().map(|case| &case.name).collect();
+    std::fs::write(out.join("sketches.json"), serde_json::to_vec(&names)?)?;
     Ok(())
 }
 

@@ -40,7 +40,7 @@ window.player = lottie.loadAnimation({ container: div, renderer: "svg", loop: fa
 window.player.addEventListener("DOMLoaded", () => (window.result = { frames: data.op, w: data.w, h: data.h, layers: data.layers.length }));
 </script>`;
 
-const premultiplied = (png) => Float32Array.from(png.data, (v, i) => (i % 4 < 3 ? (v * png.data[i - (i % 4) + 3]) / 255 : v));
+const { premultiplied } = common;
 
 // The launcher wants to know where the program is, not what it is called.
 const onPath = (name) => process.env.PATH.split(path.delimiter).map((d) => path.join(d, name)).find((f) => fs.existsSync(f)) ?? name;
@@ -106,5 +106,6 @@ const onPath = (name) => process.env.PATH.split(path.delimiter).map((d) => path.
       `pictures off by ${worst.shown.toFixed(2)} of 255 where there is a drawing, ${worst.all.toFixed(2)} overall`);
     if (!good) process.exitCode = 1;
   }
+  await require("./sketches.js").run(folder, open);
   await browser.close();
 })().catch((e) => { console.error(e); process.exit(1); });

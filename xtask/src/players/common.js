@@ -50,6 +50,8 @@ exports.smooth = (texture, points, uvs, triangles, [width, height]) => {
   return out;
 };
 
+exports.premultiplied = (png) => Float32Array.from(png.data, (v, i) => (i % 4 < 3 ? (v * png.data[i - (i % 4) + 3]) / 255 : v));
+
 // The mean difference over pixels that either picture shows, and over all.
 exports.difference = (a, b) => {
   let sum = 0, shown = 0;

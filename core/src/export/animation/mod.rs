@@ -29,7 +29,7 @@ const CHUNK: usize = 8;
 /// What frames that are drawn at once may take together, in bytes.
 const CHUNK_BYTES: usize = 256 << 20;
 /// Frames a second: shorter delays than these no format holds, longer ones nobody means.
-const RATES: std::ops::RangeInclusive<f64> = 0.01..=1000.0;
+pub(super) const RATES: std::ops::RangeInclusive<f64> = 0.01..=1000.0;
 
 /// What pictures over time can be written as.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
