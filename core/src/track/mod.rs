@@ -5,6 +5,7 @@ mod earlier;
 pub mod flow;
 pub mod joint;
 pub mod limb;
+pub mod point;
 
 pub use earlier::{Earlier, outdated_frames};
 
@@ -62,4 +63,20 @@ pub trait TrackPoints: Send + Sync {
     /// # Errors
     /// The marks are not of this clip or not valid, a frame cannot be read, or the caller cancelled.
     fn track_points(&self, clip: &Clip, marks: &PointMarks, stage: Stage<'_>) -> Result<Motion>;
+
+    /// Tracks again what other marks put out of date, and keeps the rest of `earlier` as it is. A tracker that solves
+    /// the clip as a whole tracks all of it, which is what this does unless a tracker knows better.
+    ///
+    /// # Errors
+    /// As for [`Self::track_points`].
+    fn retrack_points(
+        &self,
+        clip: &Clip,
+        marks: &PointMarks,
+        earlier: point::EarlierPoints<'_>,
+        stage: Stage<'_>,
+    ) -> Result<Motion> {
+        let _ = earlier;
+        self.track_points(clip, marks, stage)
+    }
 }

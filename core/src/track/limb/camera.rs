@@ -20,7 +20,7 @@ const ROUNDS: usize = 12;
 const NOISE: f32 = 0.5;
 
 /// The camera's motion along `flow` (`back` leads back): maps a place of the ground to where it is in the other frame.
-pub(super) fn camera_motion(flow: &FlowField, back: &FlowField) -> Affine2 {
+pub(in crate::track) fn camera_motion(flow: &FlowField, back: &FlowField) -> Affine2 {
     let size = flow.size();
     let moves: Vec<(Vec2, Vec2, f32)> = (0..PLACES * PLACES)
         .map(|i| {

@@ -1,6 +1,6 @@
 //! The built-in limb tracker. Base: Reinert 2016, section 3.5.
 
-mod camera;
+pub(in crate::track) mod camera;
 mod candidates;
 mod carry;
 mod chains;

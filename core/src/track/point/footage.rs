@@ -1,0 +1,231 @@
+//! The clip as the point tracker sees it: pictures in bytes at falling resolutions, the flow between neighbours, and what
+//! the camera did. Read once, it serves every solve.
+
+use glam::{Affine2, Vec2};
+use image::RgbImage;
+use rayon::prelude::*;
+
+use super::looks::{Levels, Rings};
+use crate::clip::Clip;
+use crate::error::Result;
+use crate::job::Stage;
+use crate::raster::{Grid, pyramid};
+use crate::track::flow::{FlowField, Pyramid};
+use crate::track::limb::camera::camera_motion;
+
+/// Pixels of all frames together that are kept; longer clips are tracked on smaller pictures. A pixel takes 8 bytes.
+const PIXEL_BUDGET: usize = 100_000_000;
+/// Working pictures never get smaller than this on their long side, whatever the budget says.
+const LEAST_SIDE: u32 = 320;
+
+/// Flow is found on pictures of half the size where the working pictures are larger than this: what it leaves open, the
+/// patches of [`Footage::follow`] find.
+const FLOW_SIDE: u32 = 512;
+/// Longest side of the pictures that whole limbs are tracked in: smaller ones lose thin legs, larger ones cost seconds.
+const SMALL_SIDE: u32 = 448;
+/// Places along the side of the patch that is followed from frame to frame, and their distance.
+const PATCH: usize = 6;
+const PATCH_STEP: f32 = 1.8;
+/// What leaving the flow costs, a squared pixel, against differences of colour summed over channels: along an outline
+/// the patch fits everywhere.
+const PULL: f32 = 0.15;
+/// Where the patch misses by more than this, what is there moved faster than flow can follow, and is searched for: so many
+/// steps of this length either way, the places with the likest looks tried; what is found must miss so much less.
+const LOST: f32 = 28.0;
+const SEARCHED: isize = 11;
+const SEARCH_STEP: f32 = 3.5;
+const FOUND: usize = 3;
+/// What a pixel away from the flow's target costs there.
+const FAR: f32 = 0.15;
+const BETTER: f32 = 0.5;
+/// How far around a place other motions are looked for.
+const AROUND: f32 = 7.0;
+
+/// Working pictures, flows and camera of a clip.
+#[derive(Debug)]
+pub(super) struct Footage {
+    /// Working pixels for one clip pixel.
+    pub(super) scale: f32,
+    /// The geometric mean of the working pictures' sides over 512.
+    pub(super) unit: f32,
+    /// Columns and rows of the working pictures.
+    pub(super) size: Vec2,
+    /// Every frame.
+    pub(super) pictures: Vec<Levels>,
+    /// From every frame but the last to the next, and back, in pixels of pictures `1 / flow_scale` the size.
+    flows: Vec<(FlowField, FlowField)>,
+    flow_scale: f32,
+    rings: Rings,
+    /// The clip again, smaller.
+    pub(super) small: Clip,
+    /// Maps a place of every frame to where that place of the ground is in the first one.
+    still: Vec<Affine2>,
+}
+
+impl Footage {
+    pub(super) fn read(clip: &Clip, working_side: u32, stage: Stage<'_>) -> Result<Self> {
+        let info = clip.info();
+        let long = f64::from(info.width.max(info.height));
+        let area = f64::from(info.width) * f64::from(info.height);
+        let affordable = (PIXEL_BUDGET as f64 / info.frames.max(1) as f64 / area).sqrt() * long;
+        let side = working_side.min((affordable as u32).max(LEAST_SIDE));
+        let (width, height) = pyramid::fitted(info.width, info.height, side);
+        let flow_scale = if width.max(height) > FLOW_SIDE { 2.0 } else { 1.0 };
+        let (reading, flowing) = (stage.part(0.0, 0.4), stage.part(0.4, 1.0));
+        let (columns, rows) = pyramid::fitted(width, height, SMALL_SIDE);
+        let frames: Vec<((Levels, RgbImage), Pyramid)> = (0..info.frames)
+            .into_par_iter()
+            .map(|f| {
+                reading.at(f as f64 / info.frames as f64)?;
+                let picture = clip.frame(f)?;
+                let rgb = pyramid::shrunk(&picture.rgb, width, height);
+                let alpha = picture.alpha.as_ref().map(|a| shrunk_alpha(a, width, height));
+                let (levels, lab) = Levels::new(&rgb, alpha.as_ref());
+                let lightness = lab.channel(0).data().iter().map(|l| l * 255.0).collect();
+                let mut lightness = Grid::from_vec(width as usize, height as usize, lightness);
+                if flow_scale > 1.0 {
+                    lightness = pyramid::halved(&lightness);
+                }
+                Ok(((levels, pyramid::shrunk(&rgb, columns, rows)), Pyramid::new(&lightness)))
+            })
+            .collect::<Result<_>>()?;
+        let pairs = frames.len().saturating_sub(1);
+        let flows: Vec<(FlowField, FlowField)> = (0..pairs)
+            .into_par_iter()
+            .map(|t| {
+                flowing.at(t as f64 / pairs as f64)?;
+                let (a, b) = (&frames[t].1, &frames[t + 1].1);
+                Ok((FlowField::between(a, b), FlowField::between(b, a)))
+            })
+            .collect::<Result<_>>()?;
+        let camera: Vec<Affine2> = flows.par_iter().map(|(there, back)| camera_motion(there, back)).collect();
+        let mut still = vec![Affine2::IDENTITY; info.frames];
+        for f in 1..info.frames {
+            let back = camera[f - 1].inverse();
+            let back = Affine2::from_mat2_translation(back.matrix2, back.translation * flow_scale);
+            still[f] = still[f - 1] * back;
+        }
+        let size = Vec2::new(width as f32, height as f32);
+        let (pictures, small): (Vec<Levels>, Vec<RgbImage>) = frames.into_iter().map(|f| f.0).unzip();
+        Ok(Self {
+            scale: width as f32 / info.width as f32,
+            unit: (size.x * size.y).sqrt() / 512.0,
+            size,
+            pictures,
+            flows,
+            flow_scale,
+            rings: Rings::new((size.x * size.y).sqrt() / 512.0, 0.0),
+            small: Clip::from_frames(small, info.fps)?,
+            still,
+        })
+    }
+
+    /// How many frames there are.
+    pub(super) fn frames(&self) -> usize {
+        self.pictures.len()
+    }
+
+    /// Where `p` goes from frame `from` to its neighbour `to`, and how far that is to be trusted. At the border of a moving
+    /// thing dense flow is a mix of what moves there; so of the motions around, that is taken which keeps the looks of the
+    /// place best, and made exact.
+    pub(super) fn follow(&self, p: Vec2, from: usize, to: usize) -> (Vec2, f32) {
+        let (there, back) = &self.flows[from.min(to)];
+        let (along, against) = if to > from { (there, back) } else { (back, there) };
+        let (before, after) = (&self.pictures[from], &self.pictures[to]);
+        let mut patch = [[0.0f32; 4]; PATCH * PATCH];
+        let place = |i: usize| {
+            let half = 0.5 * (PATCH - 1) as f32;
+            Vec2::new((i % PATCH) as f32 - half, (i / PATCH) as f32 - half) * (PATCH_STEP * self.unit)
+        };
+        for (i, pixel) in patch.iter_mut().enumerate() {
+            *pixel = before.between(p + place(i));
+        }
+        let miss = |motion: Vec2| -> f32 {
+            let mut sum = 0.0;
+            for (i, pixel) in patch.iter().enumerate() {
+                let there = after.between(p + motion + place(i));
+                for c in 0..4 {
+                    sum += (pixel[c] - there[c]).abs().min(40.0);
+                }
+            }
+            sum / (PATCH * PATCH) as f32
+        };
+        let flow = |field: &FlowField, p: Vec2| field.at(p / self.flow_scale) * self.flow_scale;
+        let own = flow(along, p);
+        let mut best = (own, miss(own));
+        for i in 0..8 {
+            let around = p + Vec2::from_angle(std::f32::consts::FRAC_PI_4 * i as f32) * (AROUND * self.unit);
+            let motion = flow(along, around);
+            if motion.distance_squared(own) > 0.25 {
+                let cost = miss(motion) + 0.3;
+                if cost < best.1 {
+                    best = (motion, cost);
+                }
+            }
+        }
+        let exact = |mut best: (Vec2, f32)| {
+            let start = best.0;
+            for step in [1.0f32, 0.5, 0.25] {
+                for _ in 0..4 {
+                    let centre = best.0;
+                    for (x, y) in [(-1.0, 0.0), (1.0, 0.0), (0.0, -1.0), (0.0, 1.0)] {
+                        let motion = centre + step * Vec2::new(x, y);
+                        let cost = miss(motion) + PULL * motion.distance_squared(start);
+                        if cost < best.1 {
+                            best = (motion, cost);
+                        }
+                    }
+                    if best.0 == centre {
+                        break;
+                    }
+                }
+            }
+            best
+        };
+        best = exact(best);
+        let mut searched = false;
+        if best.1 > LOST {
+            let looks = before.looks(p, &self.rings);
+            let mut found = [(f32::INFINITY, Vec2::ZERO); FOUND];
+            for y in -SEARCHED..=SEARCHED {
+                for x in -SEARCHED..=SEARCHED {
+                    let motion = Vec2::new(x as f32, y as f32) * (SEARCH_STEP * self.unit);
+                    let unlike = after.looks(p + motion, &self.rings).unlike(&looks);
+                    if unlike < found[FOUND - 1].0 {
+                        let at = found.partition_point(|f| f.0 <= unlike);
+                        found[at..].rotate_right(1);
+                        found[at] = (unlike, motion);
+                    }
+                }
+            }
+            for (_, motion) in found {
+                let there = exact((motion, miss(motion) + FAR * motion.distance(own)));
+                if there.1 < BETTER * best.1 {
+                    (best, searched) = (there, true);
+                }
+            }
+        }
+        let target = p + best.0;
+        // Where the flow knew nothing, it does not know the way back.
+        let back = if searched { 0.5 } else { (target + flow(against, target)).distance(p) / (2.0 * self.unit) };
+        let unlike = best.1 / 12.0;
+        (target, 1.0 / (1.0 + back * back) / (1.0 + unlike * unlike))
+    }
+
+    /// `p` of frame `f` on the still ground.
+    #[inline]
+    pub(super) fn grounded(&self, p: Vec2, f: usize) -> Vec2 {
+        self.still[f].transform_point2(p)
+    }
+
+    /// The place of frame `f` that is `p` on the still ground.
+    pub(super) fn seen(&self, p: Vec2, f: usize) -> Vec2 {
+        self.still[f].inverse().transform_point2(p)
+    }
+}
+
+fn shrunk_alpha(alpha: &image::GrayImage, width: u32, height: u32) -> image::GrayImage {
+    let rgb = RgbImage::from_fn(alpha.width(), alpha.height(), |x, y| image::Rgb([alpha.get_pixel(x, y).0[0]; 3]));
+    let small = pyramid::shrunk(&rgb, width, height);
+    image::GrayImage::from_fn(width, height, |x, y| image::Luma([small.get_pixel(x, y).0[0]]))
+}
