@@ -208,6 +208,7 @@ pub unsafe extern "C" fn mry_clip_close(context: *mut mry_context, clip: mry_cli
     ending!(context, |call| {
         if clip.v != 0 {
             call.context.clips.remove(clip.v, "clip")?;
+            call.context.footages.forget(clip);
         }
         Ok(Code::MRY_OK)
     })

@@ -20,9 +20,11 @@ use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use marey::clip::{ClipOptions, FrameMemory};
 
 use crate::allocator::{self, mry_allocator};
+use crate::binding::BindingTable;
 use crate::border::{self, Out, Versioned};
 use crate::character::CharacterTable;
 use crate::clip::ClipTable;
+use crate::control_points::ControlPointsTable;
 use crate::creature::CreatureTable;
 use crate::deforming::DeformationTable;
 use crate::error::{Failure, mry_error};
@@ -35,15 +37,18 @@ use crate::maps::MapTable;
 use crate::masks::MasksTable;
 use crate::motion::MotionTable;
 use crate::plugins::Plugins;
+use crate::point_tracking::Footages;
 use crate::poses::PosesTable;
 use crate::posing::PoserTable;
 use crate::rig::RigTable;
 use crate::session::SessionTable;
+use crate::sketch_take::SketchTakeTable;
 use crate::status::{mry_status, mry_status_code as Code};
 use crate::string::mry_str;
 use crate::table::Table;
 use crate::take::TakeTable;
 use crate::threads::{Spawn, mry_executor};
+use crate::vector::DrawingTable;
 use crate::version;
 
 /// The library's whole state for one user. Opaque.
@@ -127,6 +132,11 @@ pub(crate) struct Context {
     pub(crate) poses: PosesTable,
     pub(crate) takes: TakeTable,
     pub(crate) joints: JointsTable,
+    pub(crate) control_points: ControlPointsTable,
+    pub(crate) drawings: DrawingTable,
+    pub(crate) bindings: BindingTable,
+    pub(crate) sketch_takes: SketchTakeTable,
+    pub(crate) footages: Footages,
     pub(crate) plugins: Plugins,
     pub(crate) limits: Limits,
     memory: Option<Arc<dyn FrameMemory>>,
@@ -169,6 +179,10 @@ impl Context {
         self.poses.poison(id);
         self.takes.poison(id);
         self.joints.poison(id);
+        self.control_points.poison(id);
+        self.drawings.poison(id);
+        self.bindings.poison(id);
+        self.sketch_takes.poison(id);
     }
 
     /// Refuses calls that wait for the context's threads from inside a callback.
@@ -252,6 +266,11 @@ pub unsafe extern "C" fn mry_context_create(
             poses: Table::new(12, tag, most),
             takes: Table::new(13, tag, most),
             joints: Table::new(9, tag, most),
+            control_points: Table::new(15, tag, most),
+            footages: Footages::default(),
+            drawings: Table::new(16, tag, most),
+            bindings: Table::new(17, tag, most),
+            sketch_takes: Table::new(18, tag, most),
             plugins: Plugins::default(),
             limits,
             memory,

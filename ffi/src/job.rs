@@ -10,6 +10,7 @@ use std::ffi::c_char;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use crate::binding::mry_binding;
 use crate::border::{self, Out, OutStruct, Text, Versioned};
 use crate::character::mry_character;
 use crate::clip::mry_clip;
@@ -20,6 +21,7 @@ use crate::guard::{ending, entry};
 use crate::masks::mry_masks;
 use crate::motion::mry_motion;
 use crate::running::Job;
+use crate::sketch_take::mry_sketch_take;
 use crate::status::{mry_status, mry_status_code as Code};
 use crate::table::Table;
 use crate::take::mry_take;
@@ -267,8 +269,52 @@ pub unsafe extern "C" fn mry_job_take_take(
     })
 }
 
-/// What a take file job says of its work, as JSON: the files, what their pictures show, how many frames. It can be asked
-/// for again.
+/// Takes the binding that a bind job made; once.
+///
+/// @param context      The context.
+/// @param job          The job.
+/// @param out_binding  The binding.
+/// @param err          Detail of the job's or the call's failure, or NULL.
+/// @return MRY_OK; MRY_PENDING and MRY_CANCELLED (no output), the error the job ended with, MRY_E_TAKEN, MRY_E_KIND.
+/// Lifetime: until mry_binding_destroy or the end of the context; the job may go before.
+/// Thread: [any-thread]. Since 0.1.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mry_job_take_binding(
+    context: *mut mry_context,
+    job: mry_job,
+    out_binding: *mut mry_binding,
+    err: *mut mry_error,
+) -> mry_status {
+    entry!(context, err, |call| {
+        let out = Out::new(out_binding, "out_binding")?;
+        call.job(job)?.take(|p| &mut p.binding, |binding| call.keep_binding(binding).map(|id| out.set(id)))
+    })
+}
+
+/// Takes the take that a sketch take job made; once.
+///
+/// @param context   The context.
+/// @param job       The job.
+/// @param out_take  The take.
+/// @param err       Detail of the job's or the call's failure, or NULL.
+/// @return MRY_OK; MRY_PENDING and MRY_CANCELLED (no output), the error the job ended with, MRY_E_TAKEN, MRY_E_KIND.
+/// Lifetime: until mry_sketch_take_destroy or the end of the context; the job may go before.
+/// Thread: [any-thread]. Since 0.1.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mry_job_take_sketch_take(
+    context: *mut mry_context,
+    job: mry_job,
+    out_take: *mut mry_sketch_take,
+    err: *mut mry_error,
+) -> mry_status {
+    entry!(context, err, |call| {
+        let out = Out::new(out_take, "out_take")?;
+        call.job(job)?.take(|p| &mut p.sketch_take, |take| call.keep_sketch_take(take).map(|id| out.set(id)))
+    })
+}
+
+/// What a bind, sketch take, take file or sketch file job says of its work, as JSON: the files, warnings, how far points are to be
+/// trusted. It can be asked for again.
 ///
 /// @param context   The context.
 /// @param job       The job.

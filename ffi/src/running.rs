@@ -7,6 +7,7 @@ use std::time::Instant;
 use marey::clip::Clip;
 use marey::job::Progress;
 use marey::motion::Motion;
+use marey::shape::sketch::Binding;
 
 use crate::character::Drawn;
 use crate::context::{MRY_LOG_ERROR, MRY_LOG_INFO};
@@ -16,6 +17,7 @@ use crate::guard::{Call, panic_text};
 use crate::job::mry_job;
 use crate::masks::MaskSet;
 use crate::session_jobs::ForSession;
+use crate::sketch_take::Sketched;
 use crate::status::{mry_status, mry_status_code as Code};
 use crate::take::Played;
 
@@ -39,6 +41,8 @@ pub(crate) struct Product {
     pub(crate) for_session: Part<ForSession>,
     pub(crate) character: Part<Arc<Drawn>>,
     pub(crate) take: Part<Arc<Played>>,
+    pub(crate) binding: Part<Binding>,
+    pub(crate) sketch_take: Part<Arc<Sketched>>,
     /// What it says of its work.
     pub(crate) report: Option<String>,
 }
@@ -46,7 +50,7 @@ pub(crate) struct Product {
 enum State {
     Waiting,
     Running,
-    Done(Product),
+    Done(Box<Product>),
     Cancelled,
     Failed(Failure),
 }
@@ -202,7 +206,7 @@ impl Call<'_> {
             let state = match result {
                 Ok(Ok(product)) => {
                     log(MRY_LOG_INFO, &format!("{name}: done in {seconds:.2} s"));
-                    State::Done(product)
+                    State::Done(Box::new(product))
                 }
                 Ok(Err(marey::Error::Cancelled)) => {
                     log(MRY_LOG_INFO, &format!("{name}: cancelled after {seconds:.2} s"));

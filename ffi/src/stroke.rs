@@ -21,6 +21,16 @@ pub struct mry_point {
     pub y: f32,
 }
 
+impl mry_point {
+    /// The place, if it is one.
+    pub(crate) fn place(self, param: &'static str) -> Outcome<marey::Vec2> {
+        if self.x.is_finite() && self.y.is_finite() {
+            return Ok(marey::vec2(self.x, self.y));
+        }
+        Err(Failure::new(Code::MRY_E_NON_FINITE, param, format!("{param} is ({}, {})", self.x, self.y)))
+    }
+}
+
 /// Facing of a stroke: in the image plane, or not said.
 pub const MRY_FACING_UNKNOWN: i32 = 0;
 /// Facing of a stroke: its end is nearer to the viewer than its start.

@@ -27,16 +27,16 @@ struct Places<T> {
     free: Vec<usize>,
 }
 
-/// Bits of an id, from the low end: 16 place, 12 context, 4 kind, 32 generation (never 0).
+/// Bits of an id, from the low end: 16 place, 10 context, 6 kind, 32 generation (never 0).
 const PLACE_BITS: u32 = 16;
 const CONTEXT_SHIFT: u32 = PLACE_BITS;
-const KIND_SHIFT: u32 = CONTEXT_SHIFT + 12;
+const KIND_SHIFT: u32 = CONTEXT_SHIFT + 10;
 const GENERATION_SHIFT: u32 = 32;
 
 impl<T> Table<T> {
     /// An empty table for `most` objects. `kind` and `context` tell ids of other tables from this one's.
     pub(crate) fn new(kind: u64, context: u64, most: usize) -> Self {
-        let kind = (kind & 0xf) << KIND_SHIFT | (context & 0xfff) << CONTEXT_SHIFT;
+        let kind = (kind & 0x3f) << KIND_SHIFT | (context & 0x3ff) << CONTEXT_SHIFT;
         Self { kind, most, places: Mutex::new(Places { objects: Vec::new(), free: Vec::new() }) }
     }
 

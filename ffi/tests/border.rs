@@ -27,6 +27,10 @@ struct Ids {
     poses: mry_poses,
     take: mry_take,
     joints: mry_joints,
+    control_points: mry_control_points,
+    drawing: mry_drawing,
+    binding: mry_binding,
+    sketch_take: mry_sketch_take,
 }
 
 fn ids(f: &Fixture) -> Ids {
@@ -46,6 +50,15 @@ fn ids(f: &Fixture) -> Ids {
         let status = mry_run_take(f.context, take(ids), &mut ids.take, &mut err);
         assert_eq!(status, OK, "{}", text(&err.message));
         assert_eq!(mry_joints_from_json(f.context, str(JOINTS), &mut ids.joints, &mut err), OK);
+        assert_eq!(mry_drawing_from_svg(f.context, str(SVG), &mut ids.drawing, &mut err), OK);
+        assert_eq!(mry_binding_from_json(f.context, str(BIND), &mut ids.binding, &mut err), OK);
+        let (mut paths, loose) = (mry_motion::default(), ids.motion);
+        assert_eq!(mry_motion_from_paths(f.context, str(PATHS), &mut paths, &mut err), OK);
+        ids.motion = paths;
+        let status = mry_run_sketch_take(f.context, sketch_take(ids), &mut ids.sketch_take, &mut err);
+        assert_eq!(status, OK, "{}", text(&err.message));
+        ids.motion = loose;
+        assert_eq!(mry_control_points_from_json(f.context, str(POINTS), &mut ids.control_points, &mut err), OK);
     }
     ids
 }
@@ -108,11 +121,70 @@ fn point() -> *const mry_point {
     POINTS.as_ptr()
 }
 
+fn pen() -> *const mry_pen_sample {
+    const SAMPLES: [mry_pen_sample; 2] =
+        [mry_pen_sample { x: 5.0, y: 5.0, pressure: 0.5 }, mry_pen_sample { x: 50.0, y: 30.0, pressure: 1.0 }];
+    SAMPLES.as_ptr()
+}
+
 fn track(i: Ids) -> *const mry_track_desc {
     let mut desc = zeroed_track();
     (desc.clip, desc.rig) = (i.clip, i.rig);
     Box::leak(Box::new(desc))
 }
+
+const PATHS: &str = r#"{"format":"marey-paths","version":1,"size":[60,40],"fps":4,"seconds":0.5,"points":[
+    {"name":"hip","path":"M5 20 V30"},{"name":"knee","path":"M55 20 V10"},{"name":"toe","path":"M30 38 H34"}]}"#;
+
+const BIND: &str = r#"{"format":"marey-bind","version":1,"size":[60,40],"motions":[{"name":"walk"}],
+    "points":[{"track":"hip","at":[5,20]},{"track":"knee","at":[55,20]},{"track":"toe","at":[30,38],"layer":"leg"}],
+    "pins":[{"at":[30,20],"layer":"body"}],"strokes":[{"stroke":"a","rigidity":2}],
+    "layers":[{"name":"body","strokes":["a"]},{"name":"leg","strokes":["b"]}],
+    "joints":[{"layers":["body","leg"],"at":[30,20]}]}"#;
+
+const AT: mry_point = mry_point { x: 20.0, y: 20.0 };
+
+fn motion_use() -> *const mry_motion_use {
+    let mut used = unsafe { std::mem::zeroed::<mry_motion_use>() };
+    unsafe { mry_motion_use_init(&mut used, size_of::<mry_motion_use>() as u32) };
+    used.scale = 1.0;
+    Box::leak(Box::new(used))
+}
+
+fn point_track(i: Ids) -> *const mry_point_track_desc {
+    let mut desc = unsafe { std::mem::zeroed::<mry_point_track_desc>() };
+    unsafe { mry_point_track_desc_init(&mut desc, size_of::<mry_point_track_desc>() as u32) };
+    (desc.clip, desc.points) = (i.clip, i.control_points);
+    Box::leak(Box::new(desc))
+}
+
+fn bind(i: Ids) -> *const mry_bind_desc {
+    let mut desc = unsafe { std::mem::zeroed::<mry_bind_desc>() };
+    unsafe { mry_bind_desc_init(&mut desc, size_of::<mry_bind_desc>() as u32) };
+    (desc.drawing, desc.motion) = (i.drawing, i.motion);
+    Box::leak(Box::new(desc))
+}
+
+fn sketch_take(i: Ids) -> *const mry_sketch_take_desc {
+    let mut desc = unsafe { std::mem::zeroed::<mry_sketch_take_desc>() };
+    unsafe { mry_sketch_take_desc_init(&mut desc, size_of::<mry_sketch_take_desc>() as u32) };
+    (desc.drawing, desc.binding) = (i.drawing, i.binding);
+    (desc.motions, desc.motion_count) = (Box::leak(Box::new(i.motion)), 1);
+    Box::leak(Box::new(desc))
+}
+
+fn sketch_file(i: Ids, path: &str) -> *const mry_sketch_file_desc {
+    let mut desc = unsafe { std::mem::zeroed::<mry_sketch_file_desc>() };
+    unsafe { mry_sketch_file_desc_init(&mut desc, size_of::<mry_sketch_file_desc>() as u32) };
+    (desc.take, desc.path, desc.format) = (i.sketch_take, str(path), str("svg"));
+    Box::leak(Box::new(desc))
+}
+
+const SVG: &str = r##"<svg xmlns="http://www.w3.org/2000/svg" width="60" height="40"><path id="a" d="M5 20 C20 5 40 35 55 20"
+    fill="none" stroke="#000" stroke-width="4"/><path id="b" d="M30 20 V38" stroke="#c00"/></svg>"##;
+
+const POINTS: &str = r#"{"format":"marey-points","version":1,"size":[96,64],
+    "points":[{"name":"hip","keys":[{"frame":0,"at":[24,24]},{"frame":1,"at":[25,24]}]}]}"#;
 
 const JOINTS: &str = r#"{"format":"marey-joints","version":1,"size":[96,64],
     "joints":[{"name":"hip","frame":0,"rect":[20,20,8,8]},{"name":"knee","frame":0,"rect":[20,40,8,8]},
@@ -244,6 +316,69 @@ const CALLS: &[(&str, Has, Run)] = calls! {
     Id mry_joints_unmark(c, i, o, e, p) => [i.joints, str("hip"), 1];
     Id mry_joints_add_bone(c, i, o, e, p) => [i.joints, str("knee"), str("foot")];
     Id mry_joints_validate(c, i, o, e, p) => [i.joints, i.clip];
+    Out mry_motion_from_paths(c, i, o, e, p) => [str(PATHS), o.at()];
+    IdAndOut mry_job_start_point_track(c, i, o, e, p) => [point_track(i), o.at()];
+    IdAndOut mry_run_point_track(c, i, o, e, p) => [point_track(i), o.at()];
+    IdAndOut mry_binding_create(c, i, o, e, p) => [i.drawing, o.at()];
+    Out mry_binding_read(c, i, o, e, p) => [str(p), o.at()];
+    Out mry_binding_from_json(c, i, o, e, p) => [str(BIND), o.at()];
+    IdAndOut mry_binding_to_json(c, i, o, e, p) => [i.binding, o.at(), 4096, o.at()];
+    Id mry_binding_write(c, i, o, e, p) => [i.binding, str(p)];
+    Id mry_binding_validate(c, i, o, e, p) => [i.binding, i.drawing];
+    IdAndOut mry_binding_get_info(c, i, o, e, p) => [i.binding, o.sized::<mry_binding_info>()];
+    Id mry_binding_set_motion(c, i, o, e, p) => [i.binding, str("other"), motion_use()];
+    IdAndOut mry_binding_get_motion(c, i, o, e, p) => [i.binding, 0, o.at(), 4096, o.at(), ptr::null_mut()];
+    Id mry_binding_set_point(c, i, o, e, p) => [i.binding, str(""), str("foot"), 0, AT, str("")];
+    Id mry_binding_remove_point(c, i, o, e, p) => [i.binding, str(""), str("hip"), 0];
+    IdAndOut mry_binding_get_point(c, i, o, e, p) => [i.binding, 0, o.at(), 4096, o.at(), o.at(), o.at()];
+    Id mry_binding_add_pin(c, i, o, e, p) => [i.binding, AT, str("")];
+    Id mry_binding_remove_pin(c, i, o, e, p) => [i.binding, 0];
+    IdAndOut mry_binding_get_pin(c, i, o, e, p) => [i.binding, 0, o.at()];
+    Id mry_binding_set_stroke(c, i, o, e, p) => [i.binding, str("a"), 3.0, 0];
+    IdAndOut mry_binding_get_stroke(c, i, o, e, p) => [i.binding, str("a"), o.at(), o.at()];
+    Id mry_binding_paint_layer(c, i, o, e, p) => [i.binding, i.drawing, str("new"), point(), 2, 3.0, ptr::null_mut()];
+    Id mry_binding_set_layer(c, i, o, e, p) => [i.binding, i.drawing, str("new"), &str("b"), 1];
+    Id mry_binding_write_preview(c, i, o, e, p) => [i.binding, i.drawing, i.motion, mry_clip::default(), str(p)];
+    Id mry_binding_remove_layer(c, i, o, e, p) => [i.binding, str("leg")];
+    IdAndOut mry_binding_get_layer(c, i, o, e, p) => [i.binding, 0, o.at(), 4096, o.at()];
+    Id mry_binding_propose_joints(c, i, o, e, p) => [i.binding, i.drawing];
+    Id mry_binding_add_joint(c, i, o, e, p) => [i.binding, str("body"), str("leg"), AT];
+    Id mry_binding_set_joint(c, i, o, e, p) => [i.binding, 0, AT];
+    Id mry_binding_remove_joint(c, i, o, e, p) => [i.binding, 0];
+    IdAndOut mry_binding_get_joint(c, i, o, e, p) => [i.binding, 0, o.at()];
+    IdAndOut mry_job_start_bind(c, i, o, e, p) => [bind(i), o.at()];
+    IdAndOut mry_run_bind(c, i, o, e, p) => [bind(i), o.at()];
+    IdAndOut mry_job_take_binding(c, i, o, e, p) => [i.job, o.at()];
+    IdAndOut mry_job_start_sketch_take(c, i, o, e, p) => [sketch_take(i), o.at()];
+    IdAndOut mry_run_sketch_take(c, i, o, e, p) => [sketch_take(i), o.at()];
+    IdAndOut mry_job_take_sketch_take(c, i, o, e, p) => [i.job, o.at()];
+    IdAndOut mry_sketch_take_get_info(c, i, o, e, p) => [i.sketch_take, o.sized::<mry_sketch_take_info>()];
+    IdAndOut mry_sketch_take_read_order(c, i, o, e, p) => [i.sketch_take, o.at(), 512, o.at()];
+    IdAndOut mry_sketch_take_read_stroke(c, i, o, e, p) => [i.sketch_take, 0, 0, o.at(), 128, o.at()];
+    IdAndOut mry_sketch_take_measure(c, i, o, e, p) => [i.sketch_take, 1.0, 0, o.at(), o.at(), ptr::null_mut()];
+    IdAndOut mry_sketch_take_draw_frame(c, i, o, e, p) => [i.sketch_take, 0, 0.1, 1, o.at(), 4096, 0];
+    IdAndOut mry_job_start_sketch_file(c, i, o, e, p) => [sketch_file(i, p), o.at()];
+    Id mry_run_sketch_file(c, i, o, e, p) => [sketch_file(i, p)];
+    Out mry_drawing_read_svg(c, i, o, e, p) => [str(p), o.at()];
+    Out mry_drawing_from_svg(c, i, o, e, p) => [str(SVG), o.at()];
+    Out mry_drawing_create(c, i, o, e, p) => [9.0, 9.0, o.at()];
+    Id mry_drawing_add_stroke(c, i, o, e, p) => [i.drawing, str("new"), pen(), 2, 3.0, [0u8, 0, 0, 255].as_ptr()];
+    Id mry_drawing_remove_stroke(c, i, o, e, p) => [i.drawing, str("b")];
+    IdAndOut mry_drawing_get_info(c, i, o, e, p) => [i.drawing, o.sized::<mry_drawing_info>()];
+    IdAndOut mry_drawing_get_stroke(c, i, o, e, p) => [i.drawing, 0, o.at(), 4096, o.at(), ptr::null_mut()];
+    IdAndOut mry_drawing_get_left_out(c, i, o, e, p) => [i.drawing, 0, o.at(), 4096, o.at()];
+    IdAndOut mry_drawing_read_outline(c, i, o, e, p) => [i.drawing, o.at(), 512, o.at()];
+    IdAndOut mry_drawing_to_svg(c, i, o, e, p) => [i.drawing, o.at(), 4096, o.at()];
+    Id mry_drawing_write_svg(c, i, o, e, p) => [i.drawing, str(p)];
+    Out mry_control_points_create(c, i, o, e, p) => [9, 9, o.at()];
+    Out mry_control_points_read(c, i, o, e, p) => [str(p), o.at()];
+    Out mry_control_points_from_json(c, i, o, e, p) => [str(POINTS), o.at()];
+    Id mry_control_points_write(c, i, o, e, p) => [i.control_points, str(p)];
+    IdAndOut mry_control_points_to_json(c, i, o, e, p) => [i.control_points, o.at(), 4096, o.at()];
+    Id mry_control_points_mark(c, i, o, e, p) => [i.control_points, str("foot"), 0, mry_point { x: 24.0, y: 50.0 }];
+    Id mry_control_points_unmark(c, i, o, e, p) => [i.control_points, str("hip"), 1];
+    Id mry_control_points_validate(c, i, o, e, p) => [i.control_points, i.clip];
+    IdAndOut mry_motion_get_point_report(c, i, o, e, p) => [i.motion, i.control_points, o.at(), 8192, o.at()];
     IdAndOut mry_motion_get_capture_report(c, i, o, e, p) => [i.motion, i.clip, i.joints, o.at(), 8192, o.at()];
     IdAndOut mry_job_start_capture(c, i, o, e, p) => [capture(i), o.at()];
     IdAndOut mry_run_capture(c, i, o, e, p) => [capture(i), o.at()];
@@ -439,9 +574,12 @@ const CALLS: &[(&str, Has, Run)] = calls! {
 };
 
 /// Functions that destroy, and functions without a context.
-const OTHERS: [&str; 53] = [
+const OTHERS: [&str; 66] = [
     "mry_abi_check",
     "mry_allocator_init",
+    "mry_bind_desc_init",
+    "mry_binding_destroy",
+    "mry_binding_info_init",
     "mry_capture_desc_init",
     "mry_character_desc_init",
     "mry_character_destroy",
@@ -452,12 +590,16 @@ const OTHERS: [&str; 53] = [
     "mry_context_create",
     "mry_context_desc_init",
     "mry_context_destroy",
+    "mry_control_points_destroy",
     "mry_correction_init",
     "mry_creature_desc_init",
     "mry_creature_destroy",
     "mry_creature_info_init",
     "mry_deform_desc_init",
     "mry_deformation_destroy",
+    "mry_drawing_destroy",
+    "mry_drawing_info_init",
+    "mry_drawing_stroke_init",
     "mry_error_init",
     "mry_executor_init",
     "mry_export_desc_init",
@@ -471,11 +613,13 @@ const OTHERS: [&str; 53] = [
     "mry_mesh_view_init",
     "mry_motion_destroy",
     "mry_motion_info_init",
+    "mry_motion_use_init",
     "mry_parameter_info_init",
     "mry_part_info_init",
     "mry_plugin_info_init",
     "mry_plugin_parameter_info_init",
     "mry_plugins_desc_init",
+    "mry_point_track_desc_init",
     "mry_poser_destroy",
     "mry_poses_destroy",
     "mry_poses_info_init",
@@ -484,6 +628,10 @@ const OTHERS: [&str; 53] = [
     "mry_segment_desc_init",
     "mry_session_destroy",
     "mry_session_state_init",
+    "mry_sketch_file_desc_init",
+    "mry_sketch_take_desc_init",
+    "mry_sketch_take_destroy",
+    "mry_sketch_take_info_init",
     "mry_status_text",
     "mry_take_desc_init",
     "mry_take_destroy",
@@ -549,6 +697,10 @@ fn dead_and_foreign_ids_are_stale_everywhere() {
         mry_poser_destroy(f.context, dead.poser);
         mry_poses_destroy(f.context, dead.poses);
         mry_take_destroy(f.context, dead.take);
+        mry_control_points_destroy(f.context, dead.control_points);
+        mry_drawing_destroy(f.context, dead.drawing);
+        mry_binding_destroy(f.context, dead.binding);
+        mry_sketch_take_destroy(f.context, dead.sketch_take);
         mry_joints_destroy(f.context, dead.joints);
     }
     let garbage = Ids {
@@ -564,6 +716,10 @@ fn dead_and_foreign_ids_are_stale_everywhere() {
         poser: mry_poser { v: u64::MAX },
         poses: mry_poses { v: u64::MAX },
         take: mry_take { v: u64::MAX },
+        control_points: mry_control_points { v: u64::MAX },
+        drawing: mry_drawing { v: u64::MAX },
+        binding: mry_binding { v: u64::MAX },
+        sketch_take: mry_sketch_take { v: u64::MAX },
         joints: mry_joints { v: u64::MAX },
     };
     for (name, _, run) in CALLS.iter().filter(|c| !matches!(c.1, Has::Out | Has::Neither)) {
@@ -589,6 +745,10 @@ fn destroying_nothing_is_no_error_and_destroying_twice_is_one() {
         assert_eq!(mry_masks_destroy(c, mry_masks::default()), OK);
         assert_eq!(mry_creature_destroy(c, mry_creature::default()), OK);
         assert_eq!(mry_job_destroy(c, mry_job::default()), OK);
+        assert_eq!(mry_control_points_destroy(c, mry_control_points::default()), OK);
+        assert_eq!(mry_drawing_destroy(c, mry_drawing::default()), OK);
+        assert_eq!(mry_binding_destroy(c, mry_binding::default()), OK);
+        assert_eq!(mry_sketch_take_destroy(c, mry_sketch_take::default()), OK);
         assert_eq!(mry_joints_destroy(c, mry_joints::default()), OK);
         assert_eq!(mry_session_destroy(c, mry_session::default()), OK);
         assert_eq!(mry_character_destroy(c, mry_character::default()), OK);

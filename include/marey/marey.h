@@ -91,9 +91,18 @@
 #define MRY_TAKE_DESC_INIT { (uint32_t)sizeof(mry_take_desc), 0, { 0 }, { 0 }, { 0 }, { NULL, 0 }, NULL }
 #define MRY_TAKE_INFO_INIT { (uint32_t)sizeof(mry_take_info), 0, 0, 0, 0, 0, 0.0, { 0.0f, 0.0f }, { 0.0f, 0.0f } }
 #define MRY_TAKE_FILE_DESC_INIT { (uint32_t)sizeof(mry_take_file_desc), 0, { 0 }, { NULL, 0 }, { NULL, 0 }, { NULL, 0 }, 0.0f, { 0 } }
+#define MRY_DRAWING_INFO_INIT { (uint32_t)sizeof(mry_drawing_info), 0, 0, 0, 0.0, 0.0 }
+#define MRY_DRAWING_STROKE_INIT { (uint32_t)sizeof(mry_drawing_stroke), 0, 0, 0.0f, { 0.0f, 0.0f }, { 0.0f, 0.0f } }
+#define MRY_BINDING_INFO_INIT { (uint32_t)sizeof(mry_binding_info), 0, 0, 0, 0, 0, 0.0, 0.0 }
+#define MRY_MOTION_USE_INIT { (uint32_t)sizeof(mry_motion_use), 0.0f, 0.0f, 0.0f, 0, 0, 0 }
+#define MRY_SKETCH_TAKE_DESC_INIT { (uint32_t)sizeof(mry_sketch_take_desc), 0, { 0 }, { 0 }, NULL, 0 }
+#define MRY_SKETCH_TAKE_INFO_INIT { (uint32_t)sizeof(mry_sketch_take_info), 0, 0, 0.0, { 0.0f, 0.0f }, { 0.0f, 0.0f } }
 #define MRY_JOB_STATE_INIT { (uint32_t)sizeof(mry_job_state), 0, 0.0, 0, { 0 } }
 #define MRY_TRACK_DESC_INIT { (uint32_t)sizeof(mry_track_desc), 0, { 0 }, { 0 }, { NULL, 0 }, { 0 }, { 0 } }
 #define MRY_CAPTURE_DESC_INIT { (uint32_t)sizeof(mry_capture_desc), 0, { 0 }, { 0 }, { 0 }, { 0 } }
+#define MRY_POINT_TRACK_DESC_INIT { (uint32_t)sizeof(mry_point_track_desc), 0, { 0 }, { 0 } }
+#define MRY_BIND_DESC_INIT { (uint32_t)sizeof(mry_bind_desc), 0, { 0 }, { 0 }, { 0 }, 0, { NULL, 0 }, NULL, 0, NULL, 0 }
+#define MRY_SKETCH_FILE_DESC_INIT { (uint32_t)sizeof(mry_sketch_file_desc), 0, { 0 }, { NULL, 0 }, { NULL, 0 }, { NULL, 0 }, 0.0f, { 0 } }
 #define MRY_SEGMENT_DESC_INIT { (uint32_t)sizeof(mry_segment_desc), 0, { 0 }, { 0 }, { 0 }, { NULL, 0 }, { NULL, 0 }, { NULL, 0 } }
 #define MRY_CREATURE_DESC_INIT { (uint32_t)sizeof(mry_creature_desc), 0, { 0 }, { 0 }, { NULL, 0 }, { NULL, 0 }, { NULL, 0 } }
 #define MRY_EXPORT_DESC_INIT { (uint32_t)sizeof(mry_export_desc), 0, { 0 }, { NULL, 0 }, 0, 0.0f }
@@ -217,6 +226,30 @@
 
 /** From where a BVH file with z up is seen: y to the right. */
 #define MRY_VIEW_SIDE_Z_UP 3
+
+/** Element of a path: a new piece begins at its first point. */
+#define MRY_PATH_MOVE 0
+
+/** Element of a path: a straight line to its first point. */
+#define MRY_PATH_LINE 1
+
+/** Element of a path: a curve by its first point, a control point, to its second. */
+#define MRY_PATH_QUADRATIC 2
+
+/** Element of a path: a curve by its first two points, control points, to its third. */
+#define MRY_PATH_CUBIC 3
+
+/** Element of a path: a straight line to where the piece began, which is closed. */
+#define MRY_PATH_CLOSE 4
+
+/** The drawing faces as what moves in the clip does, or the other way: what fits better. */
+#define MRY_FACES_EITHER_WAY 0
+
+/** The drawing faces as what moves does. */
+#define MRY_FACES_THE_SAME_WAY 1
+
+/** The drawing faces the other way. */
+#define MRY_FACES_THE_OTHER_WAY 2
 
 /** Export: one glTF 2.0 binary, as mry_creature_write_glb. */
 #define MRY_EXPORT_GLB 1
@@ -602,6 +635,12 @@ typedef struct mry_joints {
   /** The id; 0 is none. */
   uint64_t v;
 } mry_joints;
+
+/** Marked points. */
+typedef struct mry_control_points {
+  /** The id; 0 is none. */
+  uint64_t v;
+} mry_control_points;
 
 /** What a motion is. */
 typedef struct mry_motion_info {
@@ -1001,6 +1040,144 @@ typedef struct mry_take_file_desc {
   uint8_t background[4];
 } mry_take_file_desc;
 
+/** What a drawing is. */
+typedef struct mry_drawing_info {
+  /** sizeof(mry_drawing_info). */
+  uint32_t struct_size;
+  /** How many strokes there are. */
+  uint32_t stroke_count;
+  /** How many groups there are. */
+  uint32_t group_count;
+  /** How many kinds of things its file had that it does not hold: see mry_drawing_get_left_out. */
+  uint32_t left_out_count;
+  /** Width of the page, in pixels. */
+  double width;
+  /** Height of the page, in pixels. */
+  double height;
+} mry_drawing_info;
+
+/** What a stroke of a drawing is. */
+typedef struct mry_drawing_stroke {
+  /** sizeof(mry_drawing_stroke). */
+  uint32_t struct_size;
+  /** 1 where something fills it. */
+  uint32_t has_fill;
+  /** 1 where a pen draws its line. */
+  uint32_t has_pen;
+  /** Its line's width in pixels; 0 without a pen. */
+  float pen_width;
+  /** The left upper corner of what its path encloses. */
+  mry_point low;
+  /** The right lower corner. */
+  mry_point high;
+} mry_drawing_stroke;
+
+/** A vector drawing. */
+typedef struct mry_drawing {
+  /** The id; 0 is no drawing. */
+  uint64_t v;
+} mry_drawing;
+
+/** A place of a pen that draws, and how hard it presses. */
+typedef struct mry_pen_sample {
+  /** Pixels from the page's left edge. */
+  float x;
+  /** Pixels from its top edge. */
+  float y;
+  /** 0..1; 0.5 for a pen that does not tell. */
+  float pressure;
+} mry_pen_sample;
+
+/** What a binding holds. */
+typedef struct mry_binding_info {
+  /** sizeof(mry_binding_info). */
+  uint32_t struct_size;
+  /** How many motions it names. */
+  uint32_t motion_count;
+  /** How many points hold the drawing. */
+  uint32_t point_count;
+  /** How many places stay. */
+  uint32_t pin_count;
+  /** How many layers there are; 0 where all strokes are one. */
+  uint32_t layer_count;
+  /** How many joints hold layers together. */
+  uint32_t joint_count;
+  /** Width of the page it was made for, in pixels. */
+  double width;
+  /** Height of the page. */
+  double height;
+} mry_binding_info;
+
+/** How a motion is used. Start from mry_binding_get_motion or MRY_MOTION_USE_INIT, and set scale. */
+typedef struct mry_motion_use {
+  /** sizeof(mry_motion_use). */
+  uint32_t struct_size;
+  /** Pixels of the drawing that a pixel of its clip becomes, above 0. */
+  float scale;
+  /** How far its movement is turned, in degrees, clockwise as seen. */
+  float rotation;
+  /** How much of its way over the picture is kept: 1 all, 0 for an animal that walks on the spot. */
+  float travel;
+  /** The frame in which the drawing is as it was drawn. */
+  uint64_t frame;
+  /** 1 to exchange left and right, before it is turned. */
+  uint32_t mirror;
+  /** 1 to begin again where another motion lasts longer; 0 to stay at the last frame. */
+  uint32_t repeat;
+} mry_motion_use;
+
+/** How motions hold a drawing. */
+typedef struct mry_binding {
+  /** The id; 0 is no binding. */
+  uint64_t v;
+} mry_binding;
+
+/** What to make a sketch take of. Start from MRY_SKETCH_TAKE_DESC_INIT; drawing, binding and motions must be set. */
+typedef struct mry_sketch_take_desc {
+  /** sizeof(mry_sketch_take_desc). */
+  uint32_t struct_size;
+  /** Zero. */
+  uint32_t reserved0;
+  /** The drawing. */
+  mry_drawing drawing;
+  /** How the motions hold it. */
+  mry_binding binding;
+  /** The motions, in the binding's order; the first gives frames and rate. */
+  const mry_motion *motions;
+  /** How many there are. */
+  size_t motion_count;
+} mry_sketch_take_desc;
+
+/** What a sketch take is. */
+typedef struct mry_sketch_take_info {
+  /** sizeof(mry_sketch_take_info). */
+  uint32_t struct_size;
+  /** Strokes of the drawing. */
+  uint32_t stroke_count;
+  /** How many frames there are. */
+  uint64_t frame_count;
+  /** Frames a second. */
+  double fps;
+  /** The left upper corner of what is drawn in all frames. */
+  mry_point low;
+  /** The right lower corner. */
+  mry_point high;
+} mry_sketch_take_info;
+
+/** A drawing in motion. */
+typedef struct mry_sketch_take {
+  /** The id; 0 is no take. */
+  uint64_t v;
+} mry_sketch_take;
+
+/** An element of a path. */
+typedef struct mry_path_element {
+  /** MRY_PATH_MOVE, ... */
+  int32_t kind;
+  /** Its places, in the drawing's pixels; those that its kind does not have are 0. */
+  mry_point points[3];
+} mry_path_element;
+
 /** How a job is doing. */
 typedef struct mry_job_state {
   /** sizeof(mry_job_state). */
@@ -1057,6 +1234,71 @@ typedef struct mry_capture_desc {
   /** What was marked then; {0} without earlier. */
   mry_joints earlier_joints;
 } mry_capture_desc;
+
+/** What to track. Start from MRY_POINT_TRACK_DESC_INIT; clip and points must be set. */
+typedef struct mry_point_track_desc {
+  /** sizeof(mry_point_track_desc). */
+  uint32_t struct_size;
+  /**
+   * 1 to keep in memory, until the clip is closed, what was read of it and what was solved: the next time only what
+   * differs between the points is solved again, in a fraction of the time and with the same result. 0 to keep nothing.
+   */
+  uint32_t keep;
+  /** The clip. */
+  mry_clip clip;
+  /** The points; they must be valid for the clip. */
+  mry_control_points points;
+} mry_point_track_desc;
+
+/** What to bind to what. Start from MRY_BIND_DESC_INIT; drawing and motion must be set. */
+typedef struct mry_bind_desc {
+  /** sizeof(mry_bind_desc). */
+  uint32_t struct_size;
+  /** MRY_FACES_EITHER_WAY, ...: which way the drawing faces. */
+  int32_t faces;
+  /** The drawing. */
+  mry_drawing drawing;
+  /** The motion. */
+  mry_motion motion;
+  /** The clip that the motion was tracked in, for the outline of what moves; {0} to go by the points alone. */
+  mry_clip clip;
+  /** The frame of the motion that the drawing is like, counted from 1; 0 to choose one. */
+  uint64_t frame_from_one;
+  /** What to call the motion in the binding; empty for "motion". */
+  mry_str name;
+  /** The outline of what moves in that frame as a person drew it, a closed polygon in clip pixels; or NULL. */
+  const mry_point *contour;
+  /** How many corners it has. */
+  size_t contour_count;
+  /** The outline of the drawing as a person drew it, a closed polygon in its pixels; or NULL. */
+  const mry_point *outline;
+  /** How many corners it has. */
+  size_t outline_count;
+} mry_bind_desc;
+
+/** What to write. Start from MRY_SKETCH_FILE_DESC_INIT; take and path must be set. */
+typedef struct mry_sketch_file_desc {
+  /** sizeof(mry_sketch_file_desc). */
+  uint32_t struct_size;
+  /** 1 to show the drawing's page; 0 to show all of every frame. */
+  uint32_t crop;
+  /** The take. */
+  mry_sketch_take take;
+  /** The file, or the folder. */
+  mry_str path;
+  /**
+   * "svg", "lottie", "png-dir", "sprite-sheet", "gif", "apng", "webp", "mp4" or "mp4-alpha" (colours above, opacity
+   * below); empty to go by the path's ending, where .json is Lottie, .png an animated PNG, and no ending a folder of PNG
+   * pictures.
+   */
+  mry_str format;
+  /** A name for what is inside the file; empty for the path's. */
+  mry_str name;
+  /** Pixels a pixel of the drawing; 0 for 1. */
+  float scale;
+  /** What lies behind: red, green, blue, alpha. Formats without alpha show it over white. */
+  uint8_t background[4];
+} mry_sketch_file_desc;
 
 /** What to segment. Start from MRY_SEGMENT_DESC_INIT; clip and rig must be set. */
 typedef struct mry_segment_desc {
@@ -2220,6 +2462,169 @@ mry_status mry_joints_validate(mry_context *context,
 /** @} */
 
 /**
+ * @defgroup control_points Control points
+ *
+ * Control points. What a person marks to take a motion from a clip: points of the animal or thing, each on one frame, and
+ * corrections, which are keys of the same points on other frames. mry_job_start_point_track follows them.
+ * @{
+ */
+
+/**
+ * Creates points of which none is marked.
+ *
+ * @param context     The context.
+ * @param width       The clip's pixels across, at least 1.
+ * @param height      The clip's pixels down, at least 1.
+ * @param out_points  The points.
+ * @param err         Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_ARGUMENT.
+ * Lifetime: until mry_control_points_destroy or the end of the context.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_control_points_create(mry_context *context,
+                                     uint32_t width,
+                                     uint32_t height,
+                                     mry_control_points *out_points,
+                                     mry_error *err);
+
+/**
+ * Reads a points.json file.
+ *
+ * @param context     The context.
+ * @param path        The file.
+ * @param out_points  The points, valid.
+ * @param err         Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_NO_FILE, MRY_E_INPUT, MRY_E_LIMIT, MRY_E_IO, MRY_E_STRING, MRY_E_ARGUMENT.
+ * Lifetime: until mry_control_points_destroy or the end of the context.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_control_points_read(mry_context *context,
+                                   mry_str path,
+                                   mry_control_points *out_points,
+                                   mry_error *err);
+
+/**
+ * Reads the text of a points.json.
+ *
+ * @param context     The context.
+ * @param json        The text.
+ * @param out_points  The points, valid.
+ * @param err         Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_INPUT, MRY_E_LIMIT, MRY_E_STRING.
+ * Lifetime: until mry_control_points_destroy or the end of the context.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_control_points_from_json(mry_context *context,
+                                        mry_str json,
+                                        mry_control_points *out_points,
+                                        mry_error *err);
+
+/**
+ * Writes points as points.json, complete or not; the file appears whole or not at all.
+ *
+ * @param context  The context.
+ * @param points   The points.
+ * @param path     The file, in a folder that exists.
+ * @param err      Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_IO, MRY_E_INPUT (no place for a file), MRY_E_STRING, MRY_E_ARGUMENT, MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_control_points_write(mry_context *context,
+                                    mry_control_points points,
+                                    mry_str path,
+                                    mry_error *err);
+
+/**
+ * The points as the text of a points.json.
+ *
+ * @param context   The context.
+ * @param points    The points.
+ * @param text      Where the text goes, UTF-8 with a NUL; NULL with capacity 0 to ask for the size.
+ * @param capacity  Bytes at text.
+ * @param out_size  Bytes needed, with the NUL.
+ * @param err       Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_BUFFER_TOO_SMALL, MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_control_points_to_json(mry_context *context,
+                                      mry_control_points points,
+                                      char *text,
+                                      size_t capacity,
+                                      size_t *out_size,
+                                      mry_error *err);
+
+/**
+ * Marks a point on a frame, in place of an earlier key there. The first key of a name makes the point.
+ *
+ * @param context  The context.
+ * @param points   The points.
+ * @param name     The point's name.
+ * @param frame    The frame.
+ * @param at       Where it is, in clip pixels, inside the clip.
+ * @param err      Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_INPUT (outside the clip), MRY_E_NON_FINITE, MRY_E_LIMIT, MRY_E_STRING, MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_control_points_mark(mry_context *context,
+                                   mry_control_points points,
+                                   mry_str name,
+                                   uint64_t frame,
+                                   mry_point at,
+                                   mry_error *err);
+
+/**
+ * Takes back a point's key on a frame. A point without keys is gone.
+ *
+ * @param context  The context.
+ * @param points   The points.
+ * @param name     The point's name.
+ * @param frame    The frame.
+ * @param err      Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_NOT_FOUND, MRY_E_STRING, MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_control_points_unmark(mry_context *context,
+                                     mry_control_points points,
+                                     mry_str name,
+                                     uint64_t frame,
+                                     mry_error *err);
+
+/**
+ * Destroys points. Jobs that were started with them keep their copy.
+ *
+ * @param context  The context.
+ * @param points   The points; {0} is no error.
+ * @return MRY_OK.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API mry_status mry_control_points_destroy(mry_context *context, mry_control_points points);
+
+/**
+ * Whether jobs can work with the points: each marked, inside the clip, and so on.
+ *
+ * @param context  The context.
+ * @param points   The points.
+ * @param clip     The clip they are for, whose size and length they must fit; {0} to leave that out.
+ * @param err      What is missing or wrong, where, and what to do; or NULL.
+ * @return MRY_OK; MRY_E_INPUT, MRY_E_LIMIT, MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_control_points_validate(mry_context *context,
+                                       mry_control_points points,
+                                       mry_clip clip,
+                                       mry_error *err);
+
+/** @} */
+
+/**
  * @defgroup motion Motions
  *
  * Motions. A motion is named tracks over time, one a limb in the rig's order: for each frame where the limb's points
@@ -2585,6 +2990,33 @@ mry_status mry_motion_remove_bone(mry_context *context,
                                   mry_motion motion,
                                   uint32_t bone,
                                   mry_error *err);
+
+/** @} */
+
+/**
+ * @defgroup motion_paths Motion from paths
+ *
+ * Motion from paths. Points that run along drawn paths: motion without a clip.
+ * @{
+ */
+
+/**
+ * Makes a motion of the text of a paths.json, which names points and gives each a path as SVG path data: around a closed
+ * path a point goes at constant speed, along an open one there and back. The motion loops.
+ *
+ * @param context     The context.
+ * @param json        The text.
+ * @param out_motion  The motion.
+ * @param err         Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_INPUT, MRY_E_STRING.
+ * Lifetime: until mry_motion_destroy or the end of the context.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_motion_from_paths(mry_context *context,
+                                 mry_str json,
+                                 mry_motion *out_motion,
+                                 mry_error *err);
 
 /** @} */
 
@@ -4598,6 +5030,1012 @@ mry_status mry_run_take_file(mry_context *context,
 /** @} */
 
 /**
+ * @defgroup vector Vector drawings
+ *
+ * Vector drawings. What a motion brings to life: strokes with their pens and fills, from an SVG file or drawn freehand.
+ * mry_binding_create and mry_job_start_bind say how a motion holds one, and mry_sketch_create moves it.
+ * @{
+ */
+
+/**
+ * Fills in an information struct with struct_size set and everything else zero, for languages without the INIT macros.
+ *
+ * @param info  Where to write; NULL does nothing.
+ * @param size  sizeof(mry_drawing_info) as the caller knows it.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+void mry_drawing_info_init(mry_drawing_info *info,
+                           uint32_t size);
+
+/**
+ * Fills in a stroke struct with struct_size set and everything else zero, for languages without the INIT macros.
+ *
+ * @param stroke  Where to write; NULL does nothing.
+ * @param size    sizeof(mry_drawing_stroke) as the caller knows it.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+void mry_drawing_stroke_init(mry_drawing_stroke *stroke,
+                             uint32_t size);
+
+/**
+ * Reads an SVG file: its shapes with groups, transforms, styles, gradients and clips. Nothing that the file refers to is
+ * opened or fetched, and no script runs; text, pictures, masks and filters are left out, and mry_drawing_get_left_out says
+ * so.
+ *
+ * @param context      The context.
+ * @param path         The file.
+ * @param out_drawing  The drawing.
+ * @param err          Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_NO_FILE, MRY_E_INPUT (no SVG, or nothing in it that can move), MRY_E_LIMIT, MRY_E_IO,
+ *         MRY_E_STRING, MRY_E_ARGUMENT.
+ * Lifetime: until mry_drawing_destroy or the end of the context.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_drawing_read_svg(mry_context *context,
+                                mry_str path,
+                                mry_drawing *out_drawing,
+                                mry_error *err);
+
+/**
+ * Reads the text of an SVG file, as mry_drawing_read_svg does.
+ *
+ * @param context      The context.
+ * @param svg          The text.
+ * @param out_drawing  The drawing.
+ * @param err          Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_INPUT, MRY_E_LIMIT, MRY_E_STRING.
+ * Lifetime: until mry_drawing_destroy or the end of the context.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_drawing_from_svg(mry_context *context,
+                                mry_str svg,
+                                mry_drawing *out_drawing,
+                                mry_error *err);
+
+/**
+ * Creates a drawing without strokes, to be drawn by mry_drawing_add_stroke.
+ *
+ * @param context      The context.
+ * @param width        Width of the page in pixels, above 0.
+ * @param height       Height of the page in pixels, above 0.
+ * @param out_drawing  The drawing.
+ * @param err          Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_ARGUMENT, MRY_E_NON_FINITE.
+ * Lifetime: until mry_drawing_destroy or the end of the context.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_drawing_create(mry_context *context,
+                              double width,
+                              double height,
+                              mry_drawing *out_drawing,
+                              mry_error *err);
+
+/**
+ * Adds a stroke over the others, as a pen drew it: the samples become a smooth line, as wide as the pen was pressed.
+ *
+ * @param context       The context.
+ * @param drawing       The drawing.
+ * @param name          A name that no other stroke has; empty to have one made.
+ * @param samples       Where the pen was, one after the other.
+ * @param sample_count  How many; at least 1, which makes a dot.
+ * @param width         The line's width in pixels at a pressure of 0.5, above 0.
+ * @param rgba          Red, green, blue, alpha: 4 bytes.
+ * @param err           Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_INPUT (a name that is taken), MRY_E_NON_FINITE, MRY_E_ARGUMENT, MRY_E_LIMIT, MRY_E_STRING,
+ *         MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_drawing_add_stroke(mry_context *context,
+                                  mry_drawing drawing,
+                                  mry_str name,
+                                  const mry_pen_sample *samples,
+                                  size_t sample_count,
+                                  float width,
+                                  const uint8_t *rgba,
+                                  mry_error *err);
+
+/**
+ * Takes a stroke away.
+ *
+ * @param context  The context.
+ * @param drawing  The drawing.
+ * @param name     The stroke's name.
+ * @param err      Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_NOT_FOUND, MRY_E_STRING, MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_drawing_remove_stroke(mry_context *context,
+                                     mry_drawing drawing,
+                                     mry_str name,
+                                     mry_error *err);
+
+/**
+ * Size and counts of a drawing.
+ *
+ * @param context   The context.
+ * @param drawing   The drawing.
+ * @param out_info  The answer.
+ * @param err       Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_STRUCT_SIZE, MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_drawing_get_info(mry_context *context,
+                                mry_drawing drawing,
+                                mry_drawing_info *out_info,
+                                mry_error *err);
+
+/**
+ * A stroke of a drawing. Strokes count from 0, the farthest first.
+ *
+ * @param context     The context.
+ * @param drawing     The drawing.
+ * @param stroke      Which, below stroke_count.
+ * @param name        Where its name goes, UTF-8 with a NUL; NULL with capacity 0 to ask for the size.
+ * @param capacity    Bytes at name.
+ * @param out_size    Bytes needed, with the NUL.
+ * @param out_stroke  What it is; or NULL.
+ * @param err         Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_ARGUMENT (stroke), MRY_E_BUFFER_TOO_SMALL, MRY_E_STRUCT_SIZE, MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_drawing_get_stroke(mry_context *context,
+                                  mry_drawing drawing,
+                                  uint32_t stroke,
+                                  char *name,
+                                  size_t capacity,
+                                  size_t *out_size,
+                                  mry_drawing_stroke *out_stroke,
+                                  mry_error *err);
+
+/**
+ * What the drawing's file had that the drawing does not hold, in a sentence.
+ *
+ * @param context   The context.
+ * @param drawing   The drawing.
+ * @param index     Which, below left_out_count.
+ * @param text      Where the sentence goes, UTF-8 with a NUL; NULL with capacity 0 to ask for the size.
+ * @param capacity  Bytes at text.
+ * @param out_size  Bytes needed, with the NUL.
+ * @param err       Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_ARGUMENT (index), MRY_E_BUFFER_TOO_SMALL, MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_drawing_get_left_out(mry_context *context,
+                                    mry_drawing drawing,
+                                    uint32_t index,
+                                    char *text,
+                                    size_t capacity,
+                                    size_t *out_size,
+                                    mry_error *err);
+
+/**
+ * The outline around a drawing as a closed polygon, as it is matched with the outline of what moves in a clip.
+ *
+ * @param context    The context.
+ * @param drawing    The drawing.
+ * @param points     Where the corners go; NULL with capacity 0 to ask for their count.
+ * @param capacity   Corners that fit.
+ * @param out_count  How many there are.
+ * @param err        Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_INPUT (nothing is drawn), MRY_E_BUFFER_TOO_SMALL, MRY_E_BUSY.
+ * Thread: [outside-callbacks]. Since 0.1.
+ */
+MRY_API
+mry_status mry_drawing_read_outline(mry_context *context,
+                                    mry_drawing drawing,
+                                    mry_point *points,
+                                    size_t capacity,
+                                    size_t *out_count,
+                                    mry_error *err);
+
+/**
+ * The drawing as the text of an SVG file.
+ *
+ * @param context   The context.
+ * @param drawing   The drawing.
+ * @param text      Where the text goes, UTF-8 with a NUL; NULL with capacity 0 to ask for the size.
+ * @param capacity  Bytes at text.
+ * @param out_size  Bytes needed, with the NUL.
+ * @param err       Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_BUFFER_TOO_SMALL, MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_drawing_to_svg(mry_context *context,
+                              mry_drawing drawing,
+                              char *text,
+                              size_t capacity,
+                              size_t *out_size,
+                              mry_error *err);
+
+/**
+ * Writes the drawing as an SVG file; it appears whole or not at all.
+ *
+ * @param context  The context.
+ * @param drawing  The drawing.
+ * @param path     The file, in a folder that exists.
+ * @param err      Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_IO, MRY_E_INPUT (no place for a file), MRY_E_STRING, MRY_E_ARGUMENT, MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_drawing_write_svg(mry_context *context,
+                                 mry_drawing drawing,
+                                 mry_str path,
+                                 mry_error *err);
+
+/**
+ * Destroys a drawing. What was made of it keeps it as it was.
+ *
+ * @param context  The context.
+ * @param drawing  The drawing; {0} is no error.
+ * @return MRY_OK.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API mry_status mry_drawing_destroy(mry_context *context, mry_drawing drawing);
+
+/** @} */
+
+/**
+ * @defgroup binding Bindings
+ *
+ * Bindings. How motions hold a drawing: where tracked points hold it, what stays where it is, which strokes are stiff or do not
+ * move, which strokes make a layer, and what holds layers together. mry_job_start_bind proposes one; everything in it is
+ * the host's to change.
+ * @{
+ */
+
+/**
+ * Fills in a struct with struct_size set and everything else zero, for languages without the INIT macros.
+ *
+ * @param value  Where to write; NULL does nothing.
+ * @param size   sizeof(mry_binding_info) as the caller knows it.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API void mry_binding_info_init(mry_binding_info *value, uint32_t size);
+
+/**
+ * Fills in a struct with struct_size set and everything else zero, for languages without the INIT macros.
+ *
+ * @param value  Where to write; NULL does nothing.
+ * @param size   sizeof(mry_motion_use) as the caller knows it.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API void mry_motion_use_init(mry_motion_use *value, uint32_t size);
+
+/**
+ * Creates a binding of a drawing by which nothing is held yet.
+ *
+ * @param context      The context.
+ * @param drawing      The drawing.
+ * @param out_binding  The binding.
+ * @param err          Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_BUSY.
+ * Lifetime: until mry_binding_destroy or the end of the context.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_binding_create(mry_context *context,
+                              mry_drawing drawing,
+                              mry_binding *out_binding,
+                              mry_error *err);
+
+/**
+ * Reads a bind.json file.
+ *
+ * @param context      The context.
+ * @param path         The file.
+ * @param out_binding  The binding.
+ * @param err          Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_NO_FILE, MRY_E_INPUT, MRY_E_LIMIT, MRY_E_IO, MRY_E_STRING, MRY_E_ARGUMENT.
+ * Lifetime: until mry_binding_destroy or the end of the context.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_binding_read(mry_context *context,
+                            mry_str path,
+                            mry_binding *out_binding,
+                            mry_error *err);
+
+/**
+ * Reads the text of a bind.json.
+ *
+ * @param context      The context.
+ * @param json         The text.
+ * @param out_binding  The binding.
+ * @param err          Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_INPUT, MRY_E_LIMIT, MRY_E_STRING.
+ * Lifetime: until mry_binding_destroy or the end of the context.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_binding_from_json(mry_context *context,
+                                 mry_str json,
+                                 mry_binding *out_binding,
+                                 mry_error *err);
+
+/**
+ * The binding as the text of a bind.json.
+ *
+ * @param context   The context.
+ * @param binding   The binding.
+ * @param text      Where the text goes, UTF-8 with a NUL; NULL with capacity 0 to ask for the size.
+ * @param capacity  Bytes at text.
+ * @param out_size  Bytes needed, with the NUL.
+ * @param err       Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_BUFFER_TOO_SMALL, MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_binding_to_json(mry_context *context,
+                               mry_binding binding,
+                               char *text,
+                               size_t capacity,
+                               size_t *out_size,
+                               mry_error *err);
+
+/**
+ * Writes the binding as bind.json; the file appears whole or not at all.
+ *
+ * @param context  The context.
+ * @param binding  The binding.
+ * @param path     The file, in a folder that exists.
+ * @param err      Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_IO, MRY_E_INPUT (no place for a file), MRY_E_STRING, MRY_E_ARGUMENT, MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_binding_write(mry_context *context,
+                             mry_binding binding,
+                             mry_str path,
+                             mry_error *err);
+
+/**
+ * Whether a sketch can be made of the binding and a drawing: every stroke that it names is there, and so on.
+ *
+ * @param context  The context.
+ * @param binding  The binding.
+ * @param drawing  The drawing.
+ * @param err      Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_INPUT, MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_binding_validate(mry_context *context,
+                                mry_binding binding,
+                                mry_drawing drawing,
+                                mry_error *err);
+
+/**
+ * Counts of a binding.
+ *
+ * @param context   The context.
+ * @param binding   The binding.
+ * @param out_info  The answer.
+ * @param err       Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_STRUCT_SIZE, MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_binding_get_info(mry_context *context,
+                                mry_binding binding,
+                                mry_binding_info *out_info,
+                                mry_error *err);
+
+/**
+ * Says how a motion is used. A name that is new adds a motion behind the others; motions are given to mry_sketch_create in
+ * this order.
+ *
+ * @param context  The context.
+ * @param binding  The binding.
+ * @param name     Its name in the binding.
+ * @param how      How.
+ * @param err      Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_INPUT, MRY_E_NON_FINITE, MRY_E_STRUCT_SIZE, MRY_E_LIMIT, MRY_E_STRING, MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_binding_set_motion(mry_context *context,
+                                  mry_binding binding,
+                                  mry_str name,
+                                  const mry_motion_use *how,
+                                  mry_error *err);
+
+/**
+ * How a motion is used. Motions count from 0.
+ *
+ * @param context   The context.
+ * @param binding   The binding.
+ * @param index     Which, below motion_count.
+ * @param name      Where its name goes, UTF-8 with a NUL; NULL with capacity 0 to ask for the size.
+ * @param capacity  Bytes at name.
+ * @param out_size  Bytes needed, with the NUL.
+ * @param out_use   How; or NULL.
+ * @param err       Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_ARGUMENT (index), MRY_E_BUFFER_TOO_SMALL, MRY_E_STRUCT_SIZE, MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_binding_get_motion(mry_context *context,
+                                  mry_binding binding,
+                                  uint32_t index,
+                                  char *name,
+                                  size_t capacity,
+                                  size_t *out_size,
+                                  mry_motion_use *out_use,
+                                  mry_error *err);
+
+/**
+ * Says where a tracked point holds the drawing, in place of where it held it before.
+ *
+ * @param context  The context.
+ * @param binding  The binding.
+ * @param motion   The motion's name; empty for the first.
+ * @param track    The track's name.
+ * @param index    The point of the track; 0 for tracks of one.
+ * @param at       The place on the drawing, in its pixels.
+ * @param layer    The layer it moves; empty for the nearest.
+ * @param err      Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_INPUT, MRY_E_NON_FINITE, MRY_E_LIMIT, MRY_E_STRING, MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_binding_set_point(mry_context *context,
+                                 mry_binding binding,
+                                 mry_str motion,
+                                 mry_str track,
+                                 uint32_t index,
+                                 mry_point at,
+                                 mry_str layer,
+                                 mry_error *err);
+
+/**
+ * Lets a tracked point hold the drawing no longer.
+ *
+ * @param context  The context.
+ * @param binding  The binding.
+ * @param motion   The motion's name; empty for the first.
+ * @param track    The track's name.
+ * @param index    The point of the track; 0 for tracks of one.
+ * @param err      Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_NOT_FOUND, MRY_E_STRING, MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_binding_remove_point(mry_context *context,
+                                    mry_binding binding,
+                                    mry_str motion,
+                                    mry_str track,
+                                    uint32_t index,
+                                    mry_error *err);
+
+/**
+ * A tracked point that holds the drawing. They count from 0.
+ *
+ * @param context    The context.
+ * @param binding    The binding.
+ * @param index      Which, below point_count.
+ * @param track      Where its track's name goes, UTF-8 with a NUL; NULL with capacity 0 to ask for the size.
+ * @param capacity   Bytes at track.
+ * @param out_size   Bytes needed, with the NUL.
+ * @param out_point  The point of the track; or NULL.
+ * @param out_at     The place on the drawing; or NULL.
+ * @param err        Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_ARGUMENT (index), MRY_E_BUFFER_TOO_SMALL, MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_binding_get_point(mry_context *context,
+                                 mry_binding binding,
+                                 uint32_t index,
+                                 char *track,
+                                 size_t capacity,
+                                 size_t *out_size,
+                                 uint32_t *out_point,
+                                 mry_point *out_at,
+                                 mry_error *err);
+
+/**
+ * Pins a place of the drawing, which then stays where it is.
+ *
+ * @param context  The context.
+ * @param binding  The binding.
+ * @param at       The place, in the drawing's pixels.
+ * @param layer    The layer; empty for the nearest.
+ * @param err      Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_INPUT, MRY_E_NON_FINITE, MRY_E_LIMIT, MRY_E_STRING, MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_binding_add_pin(mry_context *context,
+                               mry_binding binding,
+                               mry_point at,
+                               mry_str layer,
+                               mry_error *err);
+
+/**
+ * Takes a pin away; those behind it move down.
+ *
+ * @param context  The context.
+ * @param binding  The binding.
+ * @param index    Which, below pin_count.
+ * @param err      Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_ARGUMENT (index), MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_binding_remove_pin(mry_context *context,
+                                  mry_binding binding,
+                                  uint32_t index,
+                                  mry_error *err);
+
+/**
+ * A pin. They count from 0.
+ *
+ * @param context  The context.
+ * @param binding  The binding.
+ * @param index    Which, below pin_count.
+ * @param out_at   The place on the drawing.
+ * @param err      Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_ARGUMENT (index), MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_binding_get_pin(mry_context *context,
+                               mry_binding binding,
+                               uint32_t index,
+                               mry_point *out_at,
+                               mry_error *err);
+
+/**
+ * Says how a stroke is treated.
+ *
+ * @param context     The context.
+ * @param binding     The binding.
+ * @param stroke      Its name.
+ * @param rigidity    How much more its shape is kept than by default: 1 for the default, to 1000.
+ * @param decoration  1 where it stands still, whatever moves; else 0.
+ * @param err         Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_INPUT (rigidity), MRY_E_ARGUMENT (decoration), MRY_E_NON_FINITE, MRY_E_LIMIT, MRY_E_STRING,
+ *         MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_binding_set_stroke(mry_context *context,
+                                  mry_binding binding,
+                                  mry_str stroke,
+                                  float rigidity,
+                                  uint32_t decoration,
+                                  mry_error *err);
+
+/**
+ * How a stroke is treated; strokes that nothing was said of are as by default.
+ *
+ * @param context         The context.
+ * @param binding         The binding.
+ * @param stroke          Its name.
+ * @param out_rigidity    How much more its shape is kept than by default.
+ * @param out_decoration  1 where it stands still.
+ * @param err             Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_STRING, MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_binding_get_stroke(mry_context *context,
+                                  mry_binding binding,
+                                  mry_str stroke,
+                                  float *out_rigidity,
+                                  uint32_t *out_decoration,
+                                  mry_error *err);
+
+/**
+ * Puts the strokes that a brush touches into a layer, out of those they were in. A name that is new makes a layer in front
+ * of the others.
+ *
+ * @param context      The context.
+ * @param binding      The binding.
+ * @param drawing      The drawing.
+ * @param layer        The layer's name.
+ * @param points       Where the brush goes, in the drawing's pixels.
+ * @param point_count  How many.
+ * @param radius       The brush's, in pixels, above 0.
+ * @param out_count    How many strokes it touched; or NULL.
+ * @param err          Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_INPUT, MRY_E_NON_FINITE, MRY_E_ARGUMENT (radius), MRY_E_LIMIT, MRY_E_STRING, MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_binding_paint_layer(mry_context *context,
+                                   mry_binding binding,
+                                   mry_drawing drawing,
+                                   mry_str layer,
+                                   const mry_point *points,
+                                   size_t point_count,
+                                   float radius,
+                                   uint32_t *out_count,
+                                   mry_error *err);
+
+/**
+ * Puts strokes into a layer, out of those they were in. A name that is new makes a layer in front of the others; with the first,
+ * all other strokes make one behind it.
+ *
+ * @param context       The context.
+ * @param binding       The binding.
+ * @param drawing       The drawing.
+ * @param layer         The layer's name.
+ * @param strokes       The names of the strokes.
+ * @param stroke_count  How many.
+ * @param err           Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_INPUT (no such stroke), MRY_E_LIMIT, MRY_E_STRING, MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_binding_set_layer(mry_context *context,
+                                 mry_binding binding,
+                                 mry_drawing drawing,
+                                 mry_str layer,
+                                 const mry_str *strokes,
+                                 size_t stroke_count,
+                                 mry_error *err);
+
+/**
+ * Writes a PNG of the drawing with numbers where tracked points hold it, and beside it, where a clip is given, the frame of the
+ * clip that the drawing is like, with the same numbers.
+ *
+ * @param context  The context.
+ * @param binding  The binding.
+ * @param drawing  The drawing.
+ * @param motion   The motion that the points are of.
+ * @param clip     The clip it was tracked in; {0} for the drawing alone.
+ * @param path     The file, in a folder that exists.
+ * @param err      Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_IO, MRY_E_INPUT, MRY_E_STRING, MRY_E_ARGUMENT, MRY_E_BUSY.
+ * Thread: [outside-callbacks]. Since 0.1.
+ */
+MRY_API
+mry_status mry_binding_write_preview(mry_context *context,
+                                     mry_binding binding,
+                                     mry_drawing drawing,
+                                     mry_motion motion,
+                                     mry_clip clip,
+                                     mry_str path,
+                                     mry_error *err);
+
+/**
+ * Takes a layer away, with its joints: its strokes go to the farthest of the others, its points and pins to the nearest.
+ *
+ * @param context  The context.
+ * @param binding  The binding.
+ * @param layer    Its name.
+ * @param err      Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_NOT_FOUND, MRY_E_STRING, MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_binding_remove_layer(mry_context *context,
+                                    mry_binding binding,
+                                    mry_str layer,
+                                    mry_error *err);
+
+/**
+ * The name of a layer. Layers count from 0, the farthest first; bind.json lists their strokes.
+ *
+ * @param context   The context.
+ * @param binding   The binding.
+ * @param index     Which, below layer_count.
+ * @param name      Where its name goes, UTF-8 with a NUL; NULL with capacity 0 to ask for the size.
+ * @param capacity  Bytes at name.
+ * @param out_size  Bytes needed, with the NUL.
+ * @param err       Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_ARGUMENT (index), MRY_E_BUFFER_TOO_SMALL, MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_binding_get_layer(mry_context *context,
+                                 mry_binding binding,
+                                 uint32_t index,
+                                 char *name,
+                                 size_t capacity,
+                                 size_t *out_size,
+                                 mry_error *err);
+
+/**
+ * Proposes what holds layers together: a joint in the middle of each place where two of them cross. Joints that were there
+ * are replaced.
+ *
+ * @param context  The context.
+ * @param binding  The binding.
+ * @param drawing  The drawing.
+ * @param err      Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_INPUT, MRY_E_BUSY.
+ * Thread: [outside-callbacks]. Since 0.1.
+ */
+MRY_API
+mry_status mry_binding_propose_joints(mry_context *context,
+                                      mry_binding binding,
+                                      mry_drawing drawing,
+                                      mry_error *err);
+
+/**
+ * Moves a joint. They count from 0.
+ *
+ * @param context  The context.
+ * @param binding  The binding.
+ * @param index    Which, below joint_count.
+ * @param at       The place on the drawing, in its pixels.
+ * @param err      Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_ARGUMENT (index), MRY_E_NON_FINITE, MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_binding_set_joint(mry_context *context,
+                                 mry_binding binding,
+                                 uint32_t index,
+                                 mry_point at,
+                                 mry_error *err);
+
+/**
+ * Holds two layers together at a place.
+ *
+ * @param context  The context.
+ * @param binding  The binding.
+ * @param layer    One layer's name.
+ * @param other    The other's.
+ * @param at       The place on the drawing, in its pixels.
+ * @param err      Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_INPUT (no such layer), MRY_E_NON_FINITE, MRY_E_LIMIT, MRY_E_STRING, MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_binding_add_joint(mry_context *context,
+                                 mry_binding binding,
+                                 mry_str layer,
+                                 mry_str other,
+                                 mry_point at,
+                                 mry_error *err);
+
+/**
+ * Takes a joint away; those behind it move down.
+ *
+ * @param context  The context.
+ * @param binding  The binding.
+ * @param index    Which, below joint_count.
+ * @param err      Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_ARGUMENT (index), MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_binding_remove_joint(mry_context *context,
+                                    mry_binding binding,
+                                    uint32_t index,
+                                    mry_error *err);
+
+/**
+ * Where a joint holds two layers together.
+ *
+ * @param context  The context.
+ * @param binding  The binding.
+ * @param index    Which, below joint_count.
+ * @param out_at   The place on the drawing.
+ * @param err      Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_ARGUMENT (index), MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_binding_get_joint(mry_context *context,
+                                 mry_binding binding,
+                                 uint32_t index,
+                                 mry_point *out_at,
+                                 mry_error *err);
+
+/**
+ * Destroys a binding. Sketches that were made with it keep it as it was.
+ *
+ * @param context  The context.
+ * @param binding  The binding; {0} is no error.
+ * @return MRY_OK.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API mry_status mry_binding_destroy(mry_context *context, mry_binding binding);
+
+/** @} */
+
+/**
+ * @defgroup sketch_take Sketches in motion
+ *
+ * Sketches in motion. A sketch take is what a drawing does in every frame; it does not change, and keeps its drawing as it
+ * was. Take its frames as paths, as pixels, or as files.
+ * @{
+ */
+
+/**
+ * Fills in a struct with struct_size set and everything else zero, for languages without the INIT macros.
+ *
+ * @param desc  Where to write; NULL does nothing.
+ * @param size  sizeof(mry_sketch_take_desc) as the caller knows it.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API void mry_sketch_take_desc_init(mry_sketch_take_desc *desc, uint32_t size);
+
+/**
+ * Fills in a struct with struct_size set and everything else zero, for languages without the INIT macros.
+ *
+ * @param info  Where to write; NULL does nothing.
+ * @param size  sizeof(mry_sketch_take_info) as the caller knows it.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API void mry_sketch_take_info_init(mry_sketch_take_info *info, uint32_t size);
+
+/**
+ * Starts moving a drawing: from a drawing, a binding and its motions to what every stroke does in every frame. Gives a sketch
+ * take; mry_job_get_report says what a person should know of it.
+ *
+ * @param context  The context.
+ * @param desc     What to move, and by what.
+ * @param out_job  The job.
+ * @param err      Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_INPUT (a binding that does not fit the drawing or the motions), MRY_E_STRUCT_SIZE, MRY_E_LIMIT,
+ *         MRY_E_BUSY.
+ * Lifetime: until mry_job_destroy or the end of the context.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_job_start_sketch_take(mry_context *context,
+                                     const mry_sketch_take_desc *desc,
+                                     mry_job *out_job,
+                                     mry_error *err);
+
+/**
+ * Moves a drawing, and returns when it is done. Work that was started before comes first.
+ *
+ * @param context   The context.
+ * @param desc      What to move, and by what.
+ * @param out_take  The take.
+ * @param err       Detail of a failure, or NULL.
+ * @return MRY_OK; what mry_job_start_sketch_take and mry_job_wait return.
+ * Lifetime: until mry_sketch_take_destroy or the end of the context.
+ * Thread: [outside-callbacks]. Since 0.1.
+ */
+MRY_API
+mry_status mry_run_sketch_take(mry_context *context,
+                               const mry_sketch_take_desc *desc,
+                               mry_sketch_take *out_take,
+                               mry_error *err);
+
+/**
+ * Counts, rate and size of a sketch take.
+ *
+ * @param context   The context.
+ * @param take      The take.
+ * @param out_info  The answer.
+ * @param err       Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_STRUCT_SIZE.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_sketch_take_get_info(mry_context *context,
+                                    mry_sketch_take take,
+                                    mry_sketch_take_info *out_info,
+                                    mry_error *err);
+
+/**
+ * The order in which a take's strokes are painted, the farthest first: layers may differ from the drawing's own order.
+ *
+ * @param context    The context.
+ * @param take       The take.
+ * @param order      Where the strokes go; NULL with capacity 0 to ask for their count.
+ * @param capacity   Strokes that fit.
+ * @param out_count  How many there are.
+ * @param err        Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_BUFFER_TOO_SMALL.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_sketch_take_read_order(mry_context *context,
+                                      mry_sketch_take take,
+                                      uint32_t *order,
+                                      size_t capacity,
+                                      size_t *out_count,
+                                      mry_error *err);
+
+/**
+ * The path of a stroke in a frame. Its elements are of the same kinds in all frames.
+ *
+ * @param context    The context.
+ * @param take       The take.
+ * @param frame      Which, below frame_count.
+ * @param stroke     Which, below stroke_count, as mry_drawing_get_stroke counts them.
+ * @param elements   Where the path goes; NULL with capacity 0 to ask for its size.
+ * @param capacity   Elements that fit.
+ * @param out_count  How many there are.
+ * @param err        Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_ARGUMENT (frame, stroke), MRY_E_BUFFER_TOO_SMALL.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_sketch_take_read_stroke(mry_context *context,
+                                       mry_sketch_take take,
+                                       uint64_t frame,
+                                       uint32_t stroke,
+                                       mry_path_element *elements,
+                                       size_t capacity,
+                                       size_t *out_count,
+                                       mry_error *err);
+
+/**
+ * What pictures of a take show: the same rectangle in every frame.
+ *
+ * @param context     The context.
+ * @param take        The take.
+ * @param scale       Pixels a pixel of the drawing; 0 for 1.
+ * @param crop        1 to show the drawing's page; 0 to show all of every frame.
+ * @param out_width   Pixels across.
+ * @param out_height  Pixels down.
+ * @param out_corner  Where their left upper corner lies, in pixels of the drawing; or NULL.
+ * @param err         Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_ARGUMENT (scale, crop), MRY_E_NON_FINITE, MRY_E_LIMIT (larger than pictures may be).
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_sketch_take_measure(mry_context *context,
+                                   mry_sketch_take take,
+                                   float scale,
+                                   uint32_t crop,
+                                   uint32_t *out_width,
+                                   uint32_t *out_height,
+                                   mry_point *out_corner,
+                                   mry_error *err);
+
+/**
+ * Draws a frame: 4 bytes a pixel, red, green, blue, sRGB, and alpha, which the others are not multiplied by. The same
+ * pixels as in files.
+ *
+ * @param context       The context.
+ * @param take          The take.
+ * @param frame         Which, below frame_count.
+ * @param scale         Pixels a pixel of the drawing; 0 for 1.
+ * @param crop          1 to show the drawing's page; 0 to show all of every frame.
+ * @param pixels        Where the rows go: 4 * width bytes each, as mry_sketch_take_measure says.
+ * @param capacity      Bytes at pixels: at least stride_bytes * (height - 1) + 4 * width.
+ * @param stride_bytes  From one row's start to the next's; 0 for rows without gaps. Bytes in gaps are left alone.
+ * @param err           Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_ARGUMENT (frame, scale, crop, stride_bytes), MRY_E_NON_FINITE, MRY_E_LIMIT, MRY_E_BUFFER_TOO_SMALL.
+ * Thread: [outside-callbacks]. Since 0.1.
+ */
+MRY_API
+mry_status mry_sketch_take_draw_frame(mry_context *context,
+                                      mry_sketch_take take,
+                                      uint64_t frame,
+                                      float scale,
+                                      uint32_t crop,
+                                      uint8_t *pixels,
+                                      size_t capacity,
+                                      size_t stride_bytes,
+                                      mry_error *err);
+
+/**
+ * Destroys a sketch take.
+ *
+ * @param context  The context.
+ * @param take     The take; {0} is no error.
+ * @return MRY_OK.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API mry_status mry_sketch_take_destroy(mry_context *context, mry_sketch_take take);
+
+/** @} */
+
+/**
  * @defgroup job Jobs
  *
  * Jobs. Long work runs on the context's threads while the host goes on: start it, poll or wait, take the result,
@@ -4770,8 +6208,42 @@ mry_status mry_job_take_take(mry_context *context,
                              mry_error *err);
 
 /**
- * What a take file job says of its work, as JSON: the files, what their pictures show, how many frames. It can be asked
- * for again.
+ * Takes the binding that a bind job made; once.
+ *
+ * @param context      The context.
+ * @param job          The job.
+ * @param out_binding  The binding.
+ * @param err          Detail of the job's or the call's failure, or NULL.
+ * @return MRY_OK; MRY_PENDING and MRY_CANCELLED (no output), the error the job ended with, MRY_E_TAKEN, MRY_E_KIND.
+ * Lifetime: until mry_binding_destroy or the end of the context; the job may go before.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_job_take_binding(mry_context *context,
+                                mry_job job,
+                                mry_binding *out_binding,
+                                mry_error *err);
+
+/**
+ * Takes the take that a sketch take job made; once.
+ *
+ * @param context   The context.
+ * @param job       The job.
+ * @param out_take  The take.
+ * @param err       Detail of the job's or the call's failure, or NULL.
+ * @return MRY_OK; MRY_PENDING and MRY_CANCELLED (no output), the error the job ended with, MRY_E_TAKEN, MRY_E_KIND.
+ * Lifetime: until mry_sketch_take_destroy or the end of the context; the job may go before.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_job_take_sketch_take(mry_context *context,
+                                    mry_job job,
+                                    mry_sketch_take *out_take,
+                                    mry_error *err);
+
+/**
+ * What a bind, sketch take, take file or sketch file job says of its work, as JSON: the files, warnings, how far points are to be
+ * trusted. It can be asked for again.
  *
  * @param context   The context.
  * @param job       The job.
@@ -4962,6 +6434,188 @@ mry_status mry_motion_get_capture_report(mry_context *context,
                                          size_t capacity,
                                          size_t *out_size,
                                          mry_error *err);
+
+/** @} */
+
+/**
+ * @defgroup point_tracking Point tracking
+ *
+ * Point tracking. From control points marked on a frame or more to points on every frame.
+ * @{
+ */
+
+/**
+ * Fills in a description with struct_size set and everything else zero, for languages without the INIT macros.
+ *
+ * @param desc  Where to write; NULL does nothing.
+ * @param size  sizeof(mry_point_track_desc) as the caller knows it.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+void mry_point_track_desc_init(mry_point_track_desc *desc,
+                               uint32_t size);
+
+/**
+ * Starts capture: from points marked on one frame to points on every frame. Gives a motion, one track a joint.
+ *
+ * @param context  The context.
+ * @param desc     What to track.
+ * @param out_job  The job.
+ * @param err      Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_INPUT (the points are not valid for the clip), MRY_E_STRUCT_SIZE, MRY_E_BUSY.
+ * Lifetime: until mry_job_destroy or the end of the context.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_job_start_point_track(mry_context *context,
+                                     const mry_point_track_desc *desc,
+                                     mry_job *out_job,
+                                     mry_error *err);
+
+/**
+ * Tracks points, and returns when it is done. Work that was started before comes first.
+ *
+ * @param context     The context.
+ * @param desc        What to track.
+ * @param out_motion  The motion.
+ * @param err         Detail of a failure, or NULL.
+ * @return MRY_OK; what mry_job_start_point_track and mry_job_wait return.
+ * Lifetime: until mry_motion_destroy or the end of the context.
+ * Thread: [outside-callbacks]. Since 0.1.
+ */
+MRY_API
+mry_status mry_run_point_track(mry_context *context,
+                               const mry_point_track_desc *desc,
+                               mry_motion *out_motion,
+                               mry_error *err);
+
+/**
+ * What there is to say about tracked points, as JSON: how far each is to be trusted, where it is hidden, and which point
+ * to correct next, on which frame.
+ *
+ * @param context   The context.
+ * @param motion    The motion.
+ * @param points    The points it came from.
+ * @param text      Where the text goes, UTF-8 with a NUL; NULL with capacity 0 to ask for the size.
+ * @param capacity  Bytes at text.
+ * @param out_size  Bytes needed, with the NUL.
+ * @param err       Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_BUFFER_TOO_SMALL, MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_motion_get_point_report(mry_context *context,
+                                       mry_motion motion,
+                                       mry_control_points points,
+                                       char *text,
+                                       size_t capacity,
+                                       size_t *out_size,
+                                       mry_error *err);
+
+/** @} */
+
+/**
+ * @defgroup bind_job Binding by likeness
+ *
+ * Binding by likeness. What moves in a clip and a drawing are laid on each other by their outlines, and the tracked points
+ * are carried over: a proposal, for the host to correct.
+ * @{
+ */
+
+/**
+ * Fills in a struct with struct_size set and everything else zero, for languages without the INIT macros.
+ *
+ * @param desc  Where to write; NULL does nothing.
+ * @param size  sizeof(mry_bind_desc) as the caller knows it.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API void mry_bind_desc_init(mry_bind_desc *desc, uint32_t size);
+
+/**
+ * Starts laying what moves on a drawing. Gives a binding; mry_job_get_report says how far each point is to be trusted, and
+ * what outline was used.
+ *
+ * @param context  The context.
+ * @param desc     What to bind to what.
+ * @param out_job  The job.
+ * @param err      Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_NON_FINITE, MRY_E_LIMIT, MRY_E_ARGUMENT (faces), MRY_E_STRUCT_SIZE, MRY_E_STRING, MRY_E_BUSY.
+ * Lifetime: until mry_job_destroy or the end of the context.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_job_start_bind(mry_context *context,
+                              const mry_bind_desc *desc,
+                              mry_job *out_job,
+                              mry_error *err);
+
+/**
+ * Lays what moves on a drawing, and returns when it is done. Work that was started before comes first.
+ *
+ * @param context      The context.
+ * @param desc         What to bind to what.
+ * @param out_binding  The binding.
+ * @param err          Detail of a failure, or NULL.
+ * @return MRY_OK; what mry_job_start_bind and mry_job_wait return; MRY_E_INPUT (no such frame, an outline that is none).
+ * Lifetime: until mry_binding_destroy or the end of the context.
+ * Thread: [outside-callbacks]. Since 0.1.
+ */
+MRY_API
+mry_status mry_run_bind(mry_context *context,
+                        const mry_bind_desc *desc,
+                        mry_binding *out_binding,
+                        mry_error *err);
+
+/** @} */
+
+/**
+ * @defgroup sketch_files Sketch files
+ *
+ * Sketch files. What players, browsers and editors read of a drawing in motion: animated SVG, Lottie, pictures and video. Each
+ * appears whole or not at all.
+ * @{
+ */
+
+/**
+ * Fills in a struct with struct_size set and everything else zero, for languages without the INIT macros.
+ *
+ * @param desc  Where to write; NULL does nothing.
+ * @param size  sizeof(mry_sketch_file_desc) as the caller knows it.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API void mry_sketch_file_desc_init(mry_sketch_file_desc *desc, uint32_t size);
+
+/**
+ * Starts writing a sketch take. There is nothing to take; mry_job_get_report names the files.
+ *
+ * @param context  The context.
+ * @param desc     What to write.
+ * @param out_job  The job.
+ * @param err      Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_INPUT (no such format), MRY_E_ARGUMENT (crop, scale, path), MRY_E_NON_FINITE,
+ *         MRY_E_STRUCT_SIZE, MRY_E_STRING.
+ * Lifetime: until mry_job_destroy or the end of the context.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_job_start_sketch_file(mry_context *context,
+                                     const mry_sketch_file_desc *desc,
+                                     mry_job *out_job,
+                                     mry_error *err);
+
+/**
+ * Writes a sketch take, and returns when it is done. Work that was started before comes first.
+ *
+ * @param context  The context.
+ * @param desc     What to write.
+ * @param err      Detail of a failure, or NULL.
+ * @return MRY_OK; what mry_job_start_sketch_file and mry_job_wait return; MRY_E_INPUT (what the format cannot hold), MRY_E_IO.
+ * Thread: [outside-callbacks]. Since 0.1.
+ */
+MRY_API
+mry_status mry_run_sketch_file(mry_context *context,
+                               const mry_sketch_file_desc *desc,
+                               mry_error *err);
 
 /** @} */
 

@@ -18,6 +18,7 @@
 #ifndef MAREY_MAREY_HPP
 #define MAREY_MAREY_HPP
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <chrono>
@@ -139,7 +140,8 @@ template <class T, class Read> result<std::vector<T>> list(Read read) {
   });
 }
 
-template <class Read> result<std::string> text(Read read) {
+/** Makes the answer of a text that says how long it is when there is too little room. */
+template <class Read, class Make> auto text_with(Read read, Make make) {
   std::string characters(255, '\0');
   std::size_t size = 0;
   const auto fill = [&](mry_error *err) {
@@ -152,8 +154,12 @@ template <class Read> result<std::string> text(Read read) {
   };
   return perform(fill, [&] {
     characters.resize(size - 1);
-    return std::move(characters);
+    return make(std::move(characters));
   });
+}
+
+template <class Read> result<std::string> text(Read read) {
+  return text_with(read, [](std::string characters) { return characters; });
 }
 
 /** A context and what must live as long. */
@@ -302,6 +308,335 @@ public:
   /** Writes joints.json. */
   result<void> write(std::string_view path) const {
     return detail::perform([&](mry_error *err) { return mry_joints_write(c(), id_, detail::str(path), err); });
+  }
+};
+
+/** What a person marks to take a motion from a clip: control points and their keys. */
+class control_points : public detail::handle<mry_control_points, mry_control_points_destroy> {
+public:
+  using handle::handle;
+
+  /** Marks a point on a frame, in place of an earlier key there. */
+  result<void> mark(std::string_view name, std::uint64_t frame, mry_point at) {
+    return detail::perform(
+      [&](mry_error *err) { return mry_control_points_mark(c(), id_, detail::str(name), frame, at, err); });
+  }
+  /** Takes a point's key on a frame back. */
+  result<void> unmark(std::string_view name, std::uint64_t frame) {
+    return detail::perform(
+      [&](mry_error *err) { return mry_control_points_unmark(c(), id_, detail::str(name), frame, err); });
+  }
+  /** Whether jobs can work with them; with {} whatever the clip. */
+  result<void> validate(mry_clip clip = {}) const {
+    return detail::perform([&](mry_error *err) { return mry_control_points_validate(c(), id_, clip, err); });
+  }
+  /** The text of a points.json. */
+  result<std::string> to_json() const {
+    return detail::text([&](char *text, std::size_t capacity, std::size_t *size, mry_error *err) {
+      return mry_control_points_to_json(c(), id_, text, capacity, size, err);
+    });
+  }
+  /** Writes points.json. */
+  result<void> write(std::string_view path) const {
+    return detail::perform([&](mry_error *err) { return mry_control_points_write(c(), id_, detail::str(path), err); });
+  }
+};
+
+/** A vector drawing: strokes with their pens and fills. */
+class drawing : public detail::handle<mry_drawing, mry_drawing_destroy> {
+public:
+  using handle::handle;
+
+  /** A stroke with its name. */
+  struct stroke {
+    std::string name;
+    mry_drawing_stroke what;
+  };
+
+  /** Size and counts. */
+  result<mry_drawing_info> info() const {
+    mry_drawing_info info = MRY_DRAWING_INFO_INIT;
+    return detail::perform([&](mry_error *err) { return mry_drawing_get_info(c(), id_, &info, err); },
+                           [&] { return info; });
+  }
+  /** A stroke; the farthest is 0. */
+  result<stroke> get_stroke(std::uint32_t index) const {
+    stroke found{ {}, MRY_DRAWING_STROKE_INIT };
+    return detail::text_with(
+      [&](char *text, std::size_t capacity, std::size_t *size, mry_error *err) {
+        return mry_drawing_get_stroke(c(), id_, index, text, capacity, size, &found.what, err);
+      },
+      [&](std::string name) {
+        found.name = std::move(name);
+        return found;
+      });
+  }
+  /** What the drawing's file had that it does not hold, in a sentence. */
+  result<std::string> left_out(std::uint32_t index) const {
+    return detail::text([&](char *text, std::size_t capacity, std::size_t *size, mry_error *err) {
+      return mry_drawing_get_left_out(c(), id_, index, text, capacity, size, err);
+    });
+  }
+  /** Adds a stroke over the others, as a pen drew it; the colour is red, green, blue, alpha. */
+  result<void> add_stroke(std::string_view name, const std::vector<mry_pen_sample> &samples, float width,
+                          const std::array<std::uint8_t, 4> &rgba) {
+    return detail::perform([&](mry_error *err) {
+      return mry_drawing_add_stroke(c(), id_, detail::str(name), samples.data(), samples.size(), width, rgba.data(),
+                                    err);
+    });
+  }
+  /** Takes a stroke away. */
+  result<void> remove_stroke(std::string_view name) {
+    return detail::perform(
+      [&](mry_error *err) { return mry_drawing_remove_stroke(c(), id_, detail::str(name), err); });
+  }
+  /** The outline around it, a closed polygon. */
+  result<std::vector<mry_point>> outline() const {
+    return detail::list<mry_point>([&](mry_point *points, std::size_t capacity, std::size_t *count, mry_error *err) {
+      return mry_drawing_read_outline(c(), id_, points, capacity, count, err);
+    });
+  }
+  /** The text of an SVG file. */
+  result<std::string> to_svg() const {
+    return detail::text([&](char *text, std::size_t capacity, std::size_t *size, mry_error *err) {
+      return mry_drawing_to_svg(c(), id_, text, capacity, size, err);
+    });
+  }
+  /** Writes an SVG file. */
+  result<void> write_svg(std::string_view path) const {
+    return detail::perform([&](mry_error *err) { return mry_drawing_write_svg(c(), id_, detail::str(path), err); });
+  }
+};
+
+/** How motions hold a drawing: points, pins, stiff strokes, layers and joints. */
+class binding : public detail::handle<mry_binding, mry_binding_destroy> {
+public:
+  using handle::handle;
+
+  /** A tracked point that holds the drawing. */
+  struct point {
+    std::string track;
+    std::uint32_t index;
+    mry_point at;
+  };
+  /** A motion's name and how it is used. */
+  struct motion_use {
+    std::string name;
+    mry_motion_use how;
+  };
+  /** How a stroke is treated. */
+  struct stroke_use {
+    float rigidity;
+    bool decoration;
+  };
+
+  /** Counts. */
+  result<mry_binding_info> info() const {
+    mry_binding_info info = MRY_BINDING_INFO_INIT;
+    return detail::perform([&](mry_error *err) { return mry_binding_get_info(c(), id_, &info, err); },
+                           [&] { return info; });
+  }
+  /** Whether a sketch can be made of it and a drawing. */
+  result<void> validate(const drawing &drawing) const {
+    return detail::perform([&](mry_error *err) { return mry_binding_validate(c(), id_, drawing.id(), err); });
+  }
+  /** The text of a bind.json. */
+  result<std::string> to_json() const {
+    return detail::text([&](char *text, std::size_t capacity, std::size_t *size, mry_error *err) {
+      return mry_binding_to_json(c(), id_, text, capacity, size, err);
+    });
+  }
+  /** Writes bind.json. */
+  result<void> write(std::string_view path) const {
+    return detail::perform([&](mry_error *err) { return mry_binding_write(c(), id_, detail::str(path), err); });
+  }
+  /** Says how a motion is used; a new name adds one behind the others. */
+  result<void> set_motion(std::string_view name, const mry_motion_use &how) {
+    return detail::perform(
+      [&](mry_error *err) { return mry_binding_set_motion(c(), id_, detail::str(name), &how, err); });
+  }
+  /** How a motion is used. */
+  result<motion_use> get_motion(std::uint32_t index) const {
+    motion_use found{ {}, MRY_MOTION_USE_INIT };
+    return detail::text_with(
+      [&](char *text, std::size_t capacity, std::size_t *size, mry_error *err) {
+        return mry_binding_get_motion(c(), id_, index, text, capacity, size, &found.how, err);
+      },
+      [&](std::string name) {
+        found.name = std::move(name);
+        return found;
+      });
+  }
+  /** Says where a tracked point holds the drawing; motion empty for the first, layer empty for the nearest. */
+  result<void> set_point(std::string_view track, mry_point at, std::uint32_t index = 0, std::string_view motion = {},
+                         std::string_view layer = {}) {
+    return detail::perform([&](mry_error *err) {
+      return mry_binding_set_point(c(), id_, detail::str(motion), detail::str(track), index, at, detail::str(layer),
+                                   err);
+    });
+  }
+  /** Lets a tracked point hold the drawing no longer. */
+  result<void> remove_point(std::string_view track, std::uint32_t index = 0, std::string_view motion = {}) {
+    return detail::perform([&](mry_error *err) {
+      return mry_binding_remove_point(c(), id_, detail::str(motion), detail::str(track), index, err);
+    });
+  }
+  /** A tracked point that holds the drawing. */
+  result<point> get_point(std::uint32_t index) const {
+    point found{};
+    return detail::text_with(
+      [&](char *text, std::size_t capacity, std::size_t *size, mry_error *err) {
+        return mry_binding_get_point(c(), id_, index, text, capacity, size, &found.index, &found.at, err);
+      },
+      [&](std::string track) {
+        found.track = std::move(track);
+        return found;
+      });
+  }
+  /** Pins a place; layer empty for the nearest. */
+  result<void> add_pin(mry_point at, std::string_view layer = {}) {
+    return detail::perform(
+      [&](mry_error *err) { return mry_binding_add_pin(c(), id_, at, detail::str(layer), err); });
+  }
+  /** Takes a pin away. */
+  result<void> remove_pin(std::uint32_t index) {
+    return detail::perform([&](mry_error *err) { return mry_binding_remove_pin(c(), id_, index, err); });
+  }
+  /** Where a pin is. */
+  result<mry_point> get_pin(std::uint32_t index) const {
+    mry_point at{};
+    return detail::perform([&](mry_error *err) { return mry_binding_get_pin(c(), id_, index, &at, err); },
+                           [&] { return at; });
+  }
+  /** Says how a stroke is treated: how much more its shape is kept than by default, and whether it stands still. */
+  result<void> set_stroke(std::string_view stroke, float rigidity, bool decoration = false) {
+    return detail::perform([&](mry_error *err) {
+      return mry_binding_set_stroke(c(), id_, detail::str(stroke), rigidity, decoration ? 1u : 0u, err);
+    });
+  }
+  /** How a stroke is treated. */
+  result<stroke_use> get_stroke(std::string_view stroke) const {
+    stroke_use found{};
+    std::uint32_t decoration = 0;
+    return detail::perform(
+      [&](mry_error *err) {
+        return mry_binding_get_stroke(c(), id_, detail::str(stroke), &found.rigidity, &decoration, err);
+      },
+      [&] {
+        found.decoration = decoration != 0;
+        return found;
+      });
+  }
+  /** Puts the strokes that a brush touches into a layer, and says how many. */
+  result<std::uint32_t> paint_layer(const drawing &drawing, std::string_view layer,
+                                    const std::vector<mry_point> &brush, float radius) {
+    std::uint32_t count = 0;
+    return detail::perform(
+      [&](mry_error *err) {
+        return mry_binding_paint_layer(c(), id_, drawing.id(), detail::str(layer), brush.data(), brush.size(), radius,
+                                       &count, err);
+      },
+      [&] { return count; });
+  }
+  /** Puts strokes into a layer; a new name makes one in front of the others. */
+  result<void> set_layer(const drawing &drawing, std::string_view layer, const std::vector<std::string> &strokes) {
+    std::vector<mry_str> names;
+    for (const std::string &stroke : strokes) {
+      names.push_back(detail::str(stroke));
+    }
+    return detail::perform([&](mry_error *err) {
+      return mry_binding_set_layer(c(), id_, drawing.id(), detail::str(layer), names.data(), names.size(), err);
+    });
+  }
+  /** Writes a PNG of the drawing with numbers where tracked points hold it; clip {} for the drawing alone. */
+  result<void> write_preview(const drawing &drawing, mry_motion motion, mry_clip clip, std::string_view path) const {
+    return detail::perform([&](mry_error *err) {
+      return mry_binding_write_preview(c(), id_, drawing.id(), motion, clip, detail::str(path), err);
+    });
+  }
+  /** Takes a layer away. */
+  result<void> remove_layer(std::string_view layer) {
+    return detail::perform(
+      [&](mry_error *err) { return mry_binding_remove_layer(c(), id_, detail::str(layer), err); });
+  }
+  /** The name of a layer; the farthest is 0. */
+  result<std::string> get_layer(std::uint32_t index) const {
+    return detail::text([&](char *text, std::size_t capacity, std::size_t *size, mry_error *err) {
+      return mry_binding_get_layer(c(), id_, index, text, capacity, size, err);
+    });
+  }
+  /** Proposes joints where layers cross, in place of those that were there. */
+  result<void> propose_joints(const drawing &drawing) {
+    return detail::perform([&](mry_error *err) { return mry_binding_propose_joints(c(), id_, drawing.id(), err); });
+  }
+  /** Holds two layers together at a place. */
+  result<void> add_joint(std::string_view layer, std::string_view other, mry_point at) {
+    return detail::perform([&](mry_error *err) {
+      return mry_binding_add_joint(c(), id_, detail::str(layer), detail::str(other), at, err);
+    });
+  }
+  /** Moves a joint. */
+  result<void> set_joint(std::uint32_t index, mry_point at) {
+    return detail::perform([&](mry_error *err) { return mry_binding_set_joint(c(), id_, index, at, err); });
+  }
+  /** Takes a joint away. */
+  result<void> remove_joint(std::uint32_t index) {
+    return detail::perform([&](mry_error *err) { return mry_binding_remove_joint(c(), id_, index, err); });
+  }
+  /** Where a joint is. */
+  result<mry_point> get_joint(std::uint32_t index) const {
+    mry_point at{};
+    return detail::perform([&](mry_error *err) { return mry_binding_get_joint(c(), id_, index, &at, err); },
+                           [&] { return at; });
+  }
+};
+
+/** A drawing in motion: paths, pixels and files of every frame. */
+class sketch_take : public detail::handle<mry_sketch_take, mry_sketch_take_destroy> {
+public:
+  using handle::handle;
+
+  /** Counts, rate and size. */
+  result<mry_sketch_take_info> info() const {
+    mry_sketch_take_info info = MRY_SKETCH_TAKE_INFO_INIT;
+    return detail::perform([&](mry_error *err) { return mry_sketch_take_get_info(c(), id_, &info, err); },
+                           [&] { return info; });
+  }
+  /** The order in which strokes are painted, the farthest first. */
+  result<std::vector<std::uint32_t>> order() const {
+    return detail::list<std::uint32_t>(
+      [&](std::uint32_t *order, std::size_t capacity, std::size_t *count, mry_error *err) {
+        return mry_sketch_take_read_order(c(), id_, order, capacity, count, err);
+      });
+  }
+  /** The path of a stroke in a frame. */
+  result<std::vector<mry_path_element>> stroke(std::uint64_t frame, std::uint32_t stroke) const {
+    return detail::list<mry_path_element>(
+      [&](mry_path_element *elements, std::size_t capacity, std::size_t *count, mry_error *err) {
+        return mry_sketch_take_read_stroke(c(), id_, frame, stroke, elements, capacity, count, err);
+      });
+  }
+  /** A frame, straight alpha. */
+  struct picture {
+    std::uint32_t width, height;
+    /** 4 bytes a pixel: red, green, blue, alpha; rows without gaps. */
+    std::vector<std::uint8_t> pixels;
+  };
+  /** Draws a frame, `scale` pixels a pixel of the drawing: the drawing's page where `crop`, else all of every frame. */
+  result<picture> draw(std::uint64_t frame, float scale = 1.0f, bool crop = false) const {
+    picture drawn{};
+    const std::uint32_t cropped = crop ? 1u : 0u;
+    const auto call = [&](mry_error *err) {
+      const mry_status status =
+        mry_sketch_take_measure(c(), id_, scale, cropped, &drawn.width, &drawn.height, nullptr, err);
+      if (status != MRY_OK) {
+        return status;
+      }
+      drawn.pixels.resize(std::size_t{ 4 } * drawn.width * drawn.height);
+      return mry_sketch_take_draw_frame(c(), id_, frame, scale, cropped, drawn.pixels.data(), drawn.pixels.size(), 0,
+                                        err);
+    };
+    return detail::perform(call, [&] { return std::move(drawn); });
   }
 };
 
@@ -659,6 +994,22 @@ public:
   result<marey::masks> take_masks() {
     return other<marey::masks, mry_masks>(
       [&](mry_masks *id, mry_error *err) { return mry_job_take_masks(c(), id_, id, err); });
+  }
+  /** Takes the binding that a bind job made; once. */
+  result<marey::binding> take_binding() {
+    return other<marey::binding, mry_binding>(
+      [&](mry_binding *id, mry_error *err) { return mry_job_take_binding(c(), id_, id, err); });
+  }
+  /** Takes the drawing in motion that it made; once. */
+  result<marey::sketch_take> take_sketch_take() {
+    return other<marey::sketch_take, mry_sketch_take>(
+      [&](mry_sketch_take *id, mry_error *err) { return mry_job_take_sketch_take(c(), id_, id, err); });
+  }
+  /** The text of its report, where it makes one. */
+  result<std::string> report() const {
+    return detail::text([&](char *text, std::size_t capacity, std::size_t *size, mry_error *err) {
+      return mry_job_get_report(c(), id_, text, capacity, size, err);
+    });
   }
   /** Takes the creature that it made; once. */
   result<marey::creature> take_creature() {
@@ -1302,6 +1653,59 @@ public:
     return make<joints, mry_joints>(
       [&](mry_joints *id, mry_error *err) { return mry_joints_from_json(get(), detail::str(json), id, err); });
   }
+  /** Control points of which none is marked, for a clip of this size. */
+  result<control_points> new_control_points(std::uint32_t width, std::uint32_t height) const {
+    return make<control_points, mry_control_points>([&](mry_control_points *id, mry_error *err) {
+      return mry_control_points_create(get(), width, height, id, err);
+    });
+  }
+  /** Reads a points.json file. */
+  result<control_points> read_control_points(std::string_view path) const {
+    return make<control_points, mry_control_points>([&](mry_control_points *id, mry_error *err) {
+      return mry_control_points_read(get(), detail::str(path), id, err);
+    });
+  }
+  /** Reads the text of a points.json. */
+  result<control_points> control_points_from_json(std::string_view json) const {
+    return make<control_points, mry_control_points>([&](mry_control_points *id, mry_error *err) {
+      return mry_control_points_from_json(get(), detail::str(json), id, err);
+    });
+  }
+  /** Reads an SVG file. */
+  result<drawing> read_svg(std::string_view path) const {
+    return make<drawing, mry_drawing>(
+      [&](mry_drawing *id, mry_error *err) { return mry_drawing_read_svg(get(), detail::str(path), id, err); });
+  }
+  /** Reads the text of an SVG file. */
+  result<drawing> drawing_from_svg(std::string_view svg) const {
+    return make<drawing, mry_drawing>(
+      [&](mry_drawing *id, mry_error *err) { return mry_drawing_from_svg(get(), detail::str(svg), id, err); });
+  }
+  /** A drawing without strokes, on a page of this size. */
+  result<drawing> new_drawing(double width, double height) const {
+    return make<drawing, mry_drawing>(
+      [&](mry_drawing *id, mry_error *err) { return mry_drawing_create(get(), width, height, id, err); });
+  }
+  /** A binding of a drawing by which nothing is held yet. */
+  result<binding> new_binding(const drawing &drawing) const {
+    return make<binding, mry_binding>(
+      [&](mry_binding *id, mry_error *err) { return mry_binding_create(get(), drawing.id(), id, err); });
+  }
+  /** Reads a bind.json file. */
+  result<binding> read_binding(std::string_view path) const {
+    return make<binding, mry_binding>(
+      [&](mry_binding *id, mry_error *err) { return mry_binding_read(get(), detail::str(path), id, err); });
+  }
+  /** Reads the text of a bind.json. */
+  result<binding> binding_from_json(std::string_view json) const {
+    return make<binding, mry_binding>(
+      [&](mry_binding *id, mry_error *err) { return mry_binding_from_json(get(), detail::str(json), id, err); });
+  }
+  /** Makes a motion of the text of a paths.json: points that run along drawn paths. */
+  result<motion> motion_from_paths(std::string_view json) const {
+    return make<motion, mry_motion>(
+      [&](mry_motion *id, mry_error *err) { return mry_motion_from_paths(get(), detail::str(json), id, err); });
+  }
   /** Reads a motion.json file. */
   result<motion> read_motion(std::string_view path) const {
     return make<motion, mry_motion>(
@@ -1356,6 +1760,36 @@ public:
     desc.earlier_joints = earlier_joints.id();
     return make<job, mry_job>(
       [&](mry_job *id, mry_error *err) { return mry_job_start_capture(get(), &desc, id, err); });
+  }
+  /** Starts tracking control points through the clip. With `keep`, what was read and solved stays in memory until the clip is
+   *  closed, and the next time only what differs is solved. */
+  result<job> start_point_track(const clip &clip, const control_points &points, bool keep = false) const {
+    mry_point_track_desc desc = MRY_POINT_TRACK_DESC_INIT;
+    desc.clip = clip.id();
+    desc.points = points.id();
+    desc.keep = keep ? 1u : 0u;
+    return make<job, mry_job>(
+      [&](mry_job *id, mry_error *err) { return mry_job_start_point_track(get(), &desc, id, err); });
+  }
+  /** Starts laying what moves on a drawing; drawing and motion of the description must be set. */
+  result<job> start_bind(const mry_bind_desc &desc) const {
+    return make<job, mry_job>([&](mry_job *id, mry_error *err) { return mry_job_start_bind(get(), &desc, id, err); });
+  }
+  /** Starts moving a drawing by motions, in the binding's order. */
+  result<job> start_sketch_take(const drawing &drawing, const binding &binding,
+                                const std::vector<mry_motion> &motions) const {
+    mry_sketch_take_desc desc = MRY_SKETCH_TAKE_DESC_INIT;
+    desc.drawing = drawing.id();
+    desc.binding = binding.id();
+    desc.motions = motions.data();
+    desc.motion_count = motions.size();
+    return make<job, mry_job>(
+      [&](mry_job *id, mry_error *err) { return mry_job_start_sketch_take(get(), &desc, id, err); });
+  }
+  /** Starts writing a drawing in motion; take and path of the description must be set. */
+  result<job> start_sketch_file(const mry_sketch_file_desc &desc) const {
+    return make<job, mry_job>(
+      [&](mry_job *id, mry_error *err) { return mry_job_start_sketch_file(get(), &desc, id, err); });
   }
   /** Starts segmenting, after tracking where no motion is given. */
   result<job> start_segment(const clip &clip, const rig &rig, const motion *tracked = nullptr,

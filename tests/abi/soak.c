@@ -17,7 +17,7 @@
 
 #include <marey/marey.h>
 
-enum { CLIP, RIG, MOTION, MASKS, CREATURE, JOB, MAP, SESSION, DEFORMATION, CHARACTER, POSER, POSES, TAKE, KINDS };
+enum { CLIP, RIG, MOTION, MASKS, CREATURE, JOB, MAP, SESSION, DEFORMATION, CHARACTER, POSER, POSES, TAKE, POINTS, DRAWING, BINDING, SKETCH, KINDS };
 enum { PLACES = 6, BYTES = 1 << 15 };
 
 typedef struct soak {
@@ -57,6 +57,10 @@ static mry_status end(soak *s, int kind, uint64_t v) {
     case POSER: return mry_poser_destroy(s->context, (mry_poser){ v });
     case POSES: return mry_poses_destroy(s->context, (mry_poses){ v });
     case TAKE: return mry_take_destroy(s->context, (mry_take){ v });
+    case POINTS: return mry_control_points_destroy(s->context, (mry_control_points){ v });
+    case DRAWING: return mry_drawing_destroy(s->context, (mry_drawing){ v });
+    case BINDING: return mry_binding_destroy(s->context, (mry_binding){ v });
+    case SKETCH: return mry_sketch_take_destroy(s->context, (mry_sketch_take){ v });
     default: return mry_unmap(s->context, (mry_map){ v });
   }
 }
@@ -577,13 +581,151 @@ static mry_status use_take(soak *s) {
   return status;
 }
 
+/* A drawing that a pen drew, or a few lines of SVG, and how paths hold it. */
+static mry_status make_sketch(soak *s) {
+  static const char *const svgs[] = {
+    "<svg xmlns='http://www.w3.org/2000/svg' width='90' height='60'><path id='body' d='M5 30 C30 5 60 55 85 30' fill='none' stroke='#000' stroke-width='4'/>"
+    "<g opacity='.5'><path id='leg' d='M40 30 V55 H50 Z' fill='#c00'/></g></svg>",
+    "<svg xmlns='http://www.w3.org/2000/svg' width='9' height='9'><text>a</text></svg>",
+    "<svg", "",
+  };
+  static const char *const paths =
+    "{\"format\":\"marey-paths\",\"version\":1,\"size\":[90,60],\"fps\":4,\"seconds\":1,\"points\":["
+    "{\"name\":\"hind\",\"path\":\"M5 30 V40\"},{\"name\":\"fore\",\"path\":\"M85 30 V20\"},{\"name\":\"tail\",\"path\":\"M45 55 H50\"}]}";
+  static const char *const binds[] = {
+    "{\"format\":\"marey-bind\",\"version\":1,\"size\":[90,60],\"motions\":[{\"name\":\"a\"}],\"points\":["
+    "{\"track\":\"hind\",\"at\":[5,30]},{\"track\":\"fore\",\"at\":[85,30]},{\"track\":\"tail\",\"at\":[45,50]}]}",
+    "{}",
+  };
+  static const unsigned char colour[4] = { 1, 2, 3, 255 };
+  mry_pen_sample pen[8];
+  char name[300];
+  mry_drawing drawing = { 0 };
+  mry_binding binding = { 0 };
+  mry_control_points marks = { 0 };
+  mry_motion motion = { 0 };
+  mry_sketch_take sketch = { 0 };
+  mry_status status;
+  mry_motion motions[2] = { { id(s, MOTION) }, { id(s, MOTION) } };
+  mry_sketch_take_desc desc = MRY_SKETCH_TAKE_DESC_INIT;
+  for (int i = 0; i < 8; i++) {
+    pen[i] = (mry_pen_sample){ real(s), real(s), real(s) / 100.0f };
+  }
+  switch (below(s, 11)) {
+    case 0: status = mry_drawing_from_svg(s->context, MRY_STR(svgs[below(s, 3) == 0 ? below(s, 4) : 0]), &drawing, ERR); break;
+    case 1: status = mry_drawing_create(s->context, real(s), real(s), &drawing, ERR); break;
+    case 2: status = mry_drawing_read_svg(s->context, place(s, name, ".svg"), &drawing, ERR); break;
+    case 3: return mry_drawing_add_stroke(s->context, (mry_drawing){ id(s, DRAWING) }, text(s), pen, below(s, 9), real(s), below(s, 20) == 0 ? NULL : colour, ERR);
+    case 4: status = mry_binding_create(s->context, (mry_drawing){ id(s, DRAWING) }, &binding, ERR); break;
+    case 5: status = mry_binding_from_json(s->context, MRY_STR(binds[below(s, 9) == 0]), &binding, ERR); break;
+    case 6: status = mry_binding_read(s->context, place(s, name, ".bind"), &binding, ERR); break;
+    case 7: status = mry_control_points_create(s->context, number(s, 400), number(s, 300), &marks, ERR); break;
+    case 8: status = mry_control_points_read(s->context, place(s, name, ".points"), &marks, ERR); break;
+    case 9: status = mry_motion_from_paths(s->context, below(s, 9) == 0 ? text(s) : MRY_STR(paths), &motion, ERR); break;
+    default:
+      SIZED(mry_sketch_take_desc, &desc);
+      desc.drawing.v = id(s, DRAWING);
+      desc.binding.v = id(s, BINDING);
+      desc.motions = motions;
+      desc.motion_count = 1 + below(s, 2);
+      status = mry_run_sketch_take(s->context, &desc, &sketch, ERR);
+      break;
+  }
+  keep(s, DRAWING, drawing.v);
+  keep(s, BINDING, binding.v);
+  keep(s, POINTS, marks.v);
+  keep(s, MOTION, motion.v);
+  keep(s, SKETCH, sketch.v);
+  return status;
+}
+
+static mry_status use_drawing(soak *s) {
+  char name[300];
+  size_t count = 0;
+  mry_point at = { real(s), real(s) };
+  mry_drawing drawing = { id(s, DRAWING) };
+  mry_control_points marks = { id(s, POINTS) };
+  mry_drawing_info info = MRY_DRAWING_INFO_INIT;
+  mry_drawing_stroke stroke = MRY_DRAWING_STROKE_INIT;
+  switch (below(s, 13)) {
+    case 0: SIZED(mry_drawing_info, &info); return mry_drawing_get_info(s->context, drawing, &info, ERR);
+    case 1: return mry_drawing_get_stroke(s->context, drawing, number(s, 4), out(s), room(s, 1), &count, &stroke, ERR);
+    case 2: return mry_drawing_get_left_out(s->context, drawing, number(s, 2), out(s), room(s, 1), &count, ERR);
+    case 3: return mry_drawing_to_svg(s->context, drawing, out(s), room(s, 1), &count, ERR);
+    case 4: return below(s, 8) == 0 ? mry_drawing_read_outline(s->context, drawing, out(s), room(s, sizeof(mry_point)), &count, ERR) : MRY_OK;
+    case 5: return below(s, 8) == 0 ? mry_drawing_write_svg(s->context, drawing, place(s, name, ".svg"), ERR) : MRY_OK;
+    case 6: return mry_drawing_remove_stroke(s->context, drawing, text(s), ERR);
+    case 7: return mry_control_points_to_json(s->context, marks, out(s), room(s, 1), &count, ERR);
+    case 8: return below(s, 8) == 0 ? mry_control_points_write(s->context, marks, place(s, name, ".points"), ERR) : MRY_OK;
+    case 9: return mry_control_points_unmark(s->context, marks, text(s), frame(s), ERR);
+    case 10: return mry_control_points_validate(s->context, marks, (mry_clip){ id(s, CLIP) }, ERR);
+    case 11: return mry_motion_get_point_report(s->context, (mry_motion){ id(s, MOTION) }, marks, out(s), room(s, 1), &count, ERR);
+    default: return mry_control_points_mark(s->context, marks, text(s), frame(s), at, ERR);
+  }
+}
+
+static mry_status use_binding(soak *s) {
+  mry_point p[8], at = { real(s), real(s) };
+  char name[300];
+  size_t count = 0;
+  uint32_t a = 0;
+  float rigidity = 0;
+  mry_binding binding = { id(s, BINDING) };
+  mry_drawing drawing = { id(s, DRAWING) };
+  mry_binding_info info = MRY_BINDING_INFO_INIT;
+  mry_motion_use how = MRY_MOTION_USE_INIT;
+  mry_str layers[2] = { text(s), text(s) };
+  how.scale = real(s);
+  how.travel = real(s) / 100.0f;
+  how.frame = frame(s);
+  how.mirror = number(s, 2);
+  switch (below(s, 22)) {
+    case 0: SIZED(mry_binding_info, &info); return mry_binding_get_info(s->context, binding, &info, ERR);
+    case 1: SIZED(mry_motion_use, &how); return mry_binding_set_motion(s->context, binding, text(s), &how, ERR);
+    case 2: return mry_binding_get_motion(s->context, binding, number(s, 3), out(s), room(s, 1), &count, &how, ERR);
+    case 3: return mry_binding_set_point(s->context, binding, MRY_STR(""), text(s), number(s, 2), at, MRY_STR(""), ERR);
+    case 4: return mry_binding_remove_point(s->context, binding, MRY_STR(""), text(s), number(s, 2), ERR);
+    case 5: return mry_binding_get_point(s->context, binding, number(s, 4), out(s), room(s, 1), &count, &a, &at, ERR);
+    case 6: return mry_binding_add_pin(s->context, binding, at, text(s), ERR);
+    case 7: return mry_binding_remove_pin(s->context, binding, number(s, 3), ERR);
+    case 8: return mry_binding_get_pin(s->context, binding, number(s, 3), &at, ERR);
+    case 9: return mry_binding_set_stroke(s->context, binding, text(s), real(s), number(s, 2), ERR);
+    case 10: return mry_binding_get_stroke(s->context, binding, text(s), &rigidity, &a, ERR);
+    case 11: return below(s, 8) == 0 ? mry_binding_paint_layer(s->context, binding, drawing, text(s), points(s, p), below(s, 9), real(s), &a, ERR) : MRY_OK;
+    case 12: return mry_binding_set_layer(s->context, binding, drawing, text(s), layers, below(s, 3), ERR);
+    case 13: return mry_binding_remove_layer(s->context, binding, text(s), ERR);
+    case 14: return mry_binding_get_layer(s->context, binding, number(s, 3), out(s), room(s, 1), &count, ERR);
+    case 15: return below(s, 20) == 0 ? mry_binding_propose_joints(s->context, binding, drawing, ERR) : MRY_OK;
+    case 16: return mry_binding_add_joint(s->context, binding, text(s), text(s), at, ERR);
+    case 17: return mry_binding_set_joint(s->context, binding, number(s, 3), at, ERR);
+    case 18: return mry_binding_remove_joint(s->context, binding, number(s, 3), ERR);
+    case 19: return mry_binding_get_joint(s->context, binding, number(s, 3), &at, ERR);
+    case 20: return below(s, 8) == 0 ? mry_binding_write(s->context, binding, place(s, name, ".bind"), ERR) : mry_binding_validate(s->context, binding, drawing, ERR);
+    default: return mry_binding_to_json(s->context, binding, out(s), room(s, 1), &count, ERR);
+  }
+}
+
+static mry_status use_sketch(soak *s) {
+  mry_sketch_take take = { id(s, SKETCH) };
+  mry_sketch_take_info info = MRY_SKETCH_TAKE_INFO_INIT;
+  uint32_t width = 0, height = 0;
+  size_t count = 0;
+  switch (below(s, 5)) {
+    case 0: SIZED(mry_sketch_take_info, &info); return mry_sketch_take_get_info(s->context, take, &info, ERR);
+    case 1: return mry_sketch_take_read_order(s->context, take, out(s), room(s, 4), &count, ERR);
+    case 2: return mry_sketch_take_measure(s->context, take, real(s), number(s, 2), &width, &height, NULL, ERR);
+    case 3: return mry_sketch_take_draw_frame(s->context, take, frame(s), below(s, 9) == 0 ? real(s) : 0.5f, number(s, 2), out(s), room(s, 1), number(s, 400), ERR);
+    default: return mry_sketch_take_read_stroke(s->context, take, frame(s), number(s, 3), out(s), room(s, sizeof(mry_path_element)), &count, ERR);
+  }
+}
+
 static mry_status start_job(soak *s) {
   char name[300];
   mry_job job = { 0 };
   mry_status status;
   mry_clip clip = { id(s, CLIP) };
   mry_rig rig = { id(s, RIG) };
-  switch (below(s, 7)) {
+  switch (below(s, 10)) {
     case 0: status = mry_job_start_open(s->context, MRY_STR(s->clip), NULL, &job, ERR); break;
     case 1: {
       mry_track_desc desc = MRY_TRACK_DESC_INIT;
@@ -611,6 +753,34 @@ static mry_status start_job(soak *s) {
       desc.path = place(s, name, ".out");
       desc.scale = real(s);
       status = mry_job_start_export(s->context, &desc, &job, ERR);
+      break;
+    }
+    case 6: {
+      mry_point_track_desc desc = MRY_POINT_TRACK_DESC_INIT;
+      desc.clip = clip;
+      desc.points.v = id(s, POINTS);
+      desc.keep = number(s, 2);
+      status = mry_job_start_point_track(s->context, &desc, &job, ERR);
+      break;
+    }
+    case 7: {
+      mry_bind_desc desc = MRY_BIND_DESC_INIT;
+      desc.drawing.v = id(s, DRAWING);
+      desc.motion.v = id(s, MOTION);
+      desc.clip.v = below(s, 2) == 0 ? 0 : clip.v;
+      desc.faces = (int32_t)number(s, 4);
+      desc.frame_from_one = frame(s);
+      status = mry_job_start_bind(s->context, &desc, &job, ERR);
+      break;
+    }
+    case 8: {
+      static const char *const formats[] = { "svg", "lottie", "png-dir", "sprite-sheet", "gif", "apng", "webp", "mp4", "mp4-alpha" };
+      mry_sketch_file_desc desc = MRY_SKETCH_FILE_DESC_INIT;
+      desc.take.v = id(s, SKETCH);
+      desc.path = place(s, name, ".sketch");
+      desc.format = MRY_STR(formats[below(s, 9)]);
+      desc.scale = below(s, 9) == 0 ? real(s) : 0.0f;
+      status = mry_job_start_sketch_file(s->context, &desc, &job, ERR);
       break;
     }
     case 4: {
@@ -651,9 +821,11 @@ static mry_status use_job(soak *s) {
   mry_creature creature = { 0 };
   mry_character character = { 0 };
   mry_take take = { 0 };
+  mry_binding binding = { 0 };
+  mry_sketch_take sketch = { 0 };
   size_t count = 0;
   mry_status status;
-  switch (below(s, 11)) {
+  switch (below(s, 13)) {
     case 0: return below(s, 20) == 0 ? mry_job_cancel(s->context, job, ERR) : MRY_OK;
     case 1: return mry_job_wait(s->context, job, below(s, 4) == 0 ? UINT64_C(20000000) : 0, ERR);
     case 2: status = mry_job_take_clip(s->context, job, &clip, ERR); break;
@@ -662,6 +834,8 @@ static mry_status use_job(soak *s) {
     case 5: status = mry_job_take_creature(s->context, job, &creature, ERR); break;
     case 6: status = mry_job_take_character(s->context, job, &character, ERR); break;
     case 7: status = mry_job_take_take(s->context, job, &take, ERR); break;
+    case 9: status = mry_job_take_binding(s->context, job, &binding, ERR); break;
+    case 10: status = mry_job_take_sketch_take(s->context, job, &sketch, ERR); break;
     case 8: return mry_job_get_report(s->context, job, out(s), room(s, 1), &count, ERR);
     default: SIZED(mry_job_state, &state); return mry_job_poll(s->context, job, &state, ERR);
   }
@@ -671,6 +845,8 @@ static mry_status use_job(soak *s) {
   keep(s, CREATURE, creature.v);
   keep(s, CHARACTER, character.v);
   keep(s, TAKE, take.v);
+  keep(s, BINDING, binding.v);
+  keep(s, SKETCH, sketch.v);
   return status;
 }
 
@@ -747,8 +923,14 @@ static mry_status one(soak *s) {
   if (dice < 10) {
     return make_character(s);
   }
+  if (dice < 12) {
+    return make_sketch(s);
+  }
+  if (dice < 30) {
+    return dice < 16 ? use_drawing(s) : dice < 26 ? use_binding(s) : use_sketch(s);
+  }
   if (dice < 56) {
-    return dice < 24 ? use_character(s) : dice < 46 ? animate(s) : use_take(s);
+    return dice < 36 ? use_character(s) : dice < 46 ? animate(s) : use_take(s);
   }
   switch (dice % 8) {
     case 7: return deform(s);

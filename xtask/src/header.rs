@@ -14,7 +14,7 @@ use cbindgen::{Builder, Config, DocumentationStyle, EnumConfig, ExportConfig, Fu
 use crate::shell::{root, say};
 
 /// The files of ffi/src in the order a reader meets them.
-const FILES: [&str; 50] = [
+const FILES: [&str; 58] = [
     "version.rs",
     "status.rs",
     "string.rs",
@@ -29,9 +29,11 @@ const FILES: [&str; 50] = [
     "stroke.rs",
     "paint.rs",
     "joints.rs",
+    "control_points.rs",
     "motion.rs",
     "tracks.rs",
     "motion_edit.rs",
+    "motion_paths.rs",
     "advice.rs",
     "masks.rs",
     "creature.rs",
@@ -48,10 +50,16 @@ const FILES: [&str; 50] = [
     "retargeting.rs",
     "take.rs",
     "take_files.rs",
+    "vector.rs",
+    "binding.rs",
+    "sketch_take.rs",
     "job.rs",
     "opening.rs",
     "tracking.rs",
     "capturing.rs",
+    "point_tracking.rs",
+    "bind_job.rs",
+    "sketch_files.rs",
     "segmenting.rs",
     "reconstructing.rs",
     "exporting.rs",

@@ -236,11 +236,11 @@ impl Drop for Character {
     }
 }
 
-fn points(places: &[(f32, f32)]) -> Vec<mry_point> {
+pub(crate) fn points(places: &[(f32, f32)]) -> Vec<mry_point> {
     places.iter().map(|&(x, y)| mry_point { x, y }).collect()
 }
 
-fn places(points: &[mry_point]) -> Vec<(f32, f32)> {
+pub(crate) fn places(points: &[mry_point]) -> Vec<(f32, f32)> {
     points.iter().map(|p| (p.x, p.y)).collect()
 }
 

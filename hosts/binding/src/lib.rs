@@ -20,8 +20,10 @@
 mod character;
 mod clip;
 mod context;
+mod control_points;
 mod creature;
 mod deformation;
+mod drawing;
 mod error;
 mod job;
 mod joints;
@@ -31,6 +33,7 @@ mod parameter;
 mod plugin;
 mod rig;
 mod session;
+mod sketch;
 mod sys;
 
 pub use character::{
@@ -38,8 +41,10 @@ pub use character::{
 };
 pub use clip::{Clip, ClipInfo};
 pub use context::Context;
+pub use control_points::ControlPoints;
 pub use creature::{Creature, CreatureInfo};
 pub use deformation::{Deformation, Handle};
+pub use drawing::{Drawing, DrawingInfo, DrawingStroke, PenSample};
 pub use error::{Error, Result, Status};
 pub use job::{CreatureOptions, Job, JobState, SegmentOptions, TrackOptions};
 pub use joints::Joints;
@@ -49,6 +54,9 @@ pub use parameter::{Parameter, ParameterKind};
 pub use plugin::{Plugin, PluginKind, PluginOptions, PluginParameter, PluginParameterKind};
 pub use rig::{Facing, Rig, Side};
 pub use session::{Access, Session, SessionState};
+pub use sketch::{
+    BindOptions, Binding, BindingInfo, BoundPoint, MotionUse, PathElement, SketchFileOptions, SketchTake,
+};
 
 /// The library's version, such as "0.1.0".
 pub fn version() -> &'static str {

@@ -77,12 +77,18 @@ macro_rules! call {
     }};
 }
 
+mod control_points;
+mod drawing;
 mod joints;
 mod plugin;
 mod session;
+mod sketch;
+pub(crate) use control_points::*;
+pub(crate) use drawing::*;
 pub(crate) use joints::*;
 pub(crate) use plugin::*;
 pub(crate) use session::*;
+pub(crate) use sketch::*;
 
 /// An object of the ABI, destroyed by its function. An id that is stale by then has nothing left to destroy.
 macro_rules! destroy {
@@ -101,6 +107,10 @@ destroy!(masks_destroy, mry_masks_destroy, mry_masks);
 destroy!(creature_destroy, mry_creature_destroy, mry_creature);
 destroy!(job_destroy, mry_job_destroy, mry_job);
 destroy!(joints_destroy, mry_joints_destroy, mry_joints);
+destroy!(binding_destroy, mry_binding_destroy, mry_binding);
+destroy!(sketch_take_destroy, mry_sketch_take_destroy, mry_sketch_take);
+destroy!(drawing_destroy, mry_drawing_destroy, mry_drawing);
+destroy!(control_points_destroy, mry_control_points_destroy, mry_control_points);
 destroy!(session_destroy, mry_session_destroy, mry_session);
 destroy!(deformation_destroy, mry_deformation_destroy, mry_deformation);
 
