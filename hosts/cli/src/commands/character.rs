@@ -180,7 +180,7 @@ fn parts(character: &Character) -> Result<Value, Failure> {
     }))
 }
 
-fn parsed(text: &str) -> Result<Value, Failure> {
+pub(super) fn parsed(text: &str) -> Result<Value, Failure> {
     serde_json::from_str(text).map_err(|e| Failure::new(FAILED, format!("report: {e}")))
 }
 
@@ -242,7 +242,7 @@ fn keep_map(motion: &Motion, character: &Character, options: &RetargetOptions<'_
 }
 
 /// Red, green, blue and alpha of `#rgb`, `#rrggbb`, `#rrggbbaa` or a name.
-fn colour(text: &str) -> Result<[u8; 4], Failure> {
+pub(super) fn colour(text: &str) -> Result<[u8; 4], Failure> {
     let wrong = || {
         let problem = "is no colour; give #rrggbb, #rrggbbaa, none, white or black";
         Failure::new(BAD_USE, format!("--background {text}: {problem}"))

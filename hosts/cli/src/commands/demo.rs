@@ -1,9 +1,9 @@
-//! `marey demo`: the whole job on the bundled camel, or on the bundled drawing, with its inputs beside the results, so that
-//! a stroke or a pose can be moved and the job run again.
+//! `marey demo`: the whole job on the bundled camel, or on a bundled drawing, with its inputs beside the results, so that
+//! a stroke, a pose or a point can be moved and the job run again.
 
 use std::path::Path;
 
-use marey_binding::{CharacterOptions, CreatureOptions, TakeFileOptions, TakeOptions};
+use marey_binding::{BindOptions, CharacterOptions, CreatureOptions, SketchFileOptions, TakeFileOptions, TakeOptions};
 
 use super::{Session, utf8};
 use crate::args::Demo;
@@ -20,10 +20,19 @@ const DRAWING: [(&str, &[u8]); 3] = [
     ("poses.json", include_bytes!("../../../../data/characters/child/poses.json")),
 ];
 
+const SKETCH: [(&str, &[u8]); 3] = [
+    ("gallop.webp", include_bytes!("../../../../data/animals/horse-gallop.webp")),
+    ("points.json", include_bytes!("../../../../data/animals/horse-gallop.points.json")),
+    ("drawing.svg", include_bytes!("../../../../data/drawings/horse.svg")),
+];
+
 pub(crate) fn demo(session: &Session, args: &Demo) -> Result<(), Failure> {
     let folder = &args.output;
     if args.character {
         return drawing(session, folder);
+    }
+    if args.sketch {
+        return sketch(session, folder);
     }
     // The inputs come into the folder last: a demo that is cancelled leaves nothing.
     let inputs = tempfile::tempdir().map_err(|e| failed(folder, &e))?;
@@ -98,6 +107,68 @@ fn drawing(session: &Session, folder: &Path) -> Result<(), Failure> {
 {shown}/child.gif     a drawing that walks and waves: open it first
 then move a joint in {shown}/poses.json:
   marey character {shown}/drawing.png --rig {shown}/rig.json --poses {shown}/poses.json -o {shown}/child.gif
+"
+    ));
+    Ok(())
+}
+
+fn sketch(session: &Session, folder: &Path) -> Result<(), Failure> {
+    // All is made aside: a demo that is cancelled leaves nothing.
+    let aside = tempfile::tempdir().map_err(|e| failed(folder, &e))?;
+    let at = |name: &str| aside.path().join(name);
+    for (name, bytes) in SKETCH {
+        std::fs::write(at(name), bytes).map_err(|e| failed(&at(name), &e))?;
+    }
+    let clip = session.context.open_clip(utf8(&at("gallop.webp"))?)?;
+    let points = session.context.read_control_points(utf8(&at("points.json"))?)?;
+    let drawing = session.context.read_svg(utf8(&at("drawing.svg"))?)?;
+    let job = session.context.start_point_track(&clip, &points, false)?;
+    watch(&job, &session.interrupt)?;
+    let motion = job.take_motion()?;
+    motion.write(utf8(&at("motion.json"))?)?;
+    let options = BindOptions { name: "gallop", clip: Some(&clip), ..BindOptions::default() };
+    let job = session.context.start_bind(&drawing, &motion, &options)?;
+    watch(&job, &session.interrupt)?;
+    let (binding, said) = (job.take_binding()?, job.report()?);
+    binding.write(utf8(&at("bind.json"))?)?;
+    binding.write_preview(&drawing, &motion, Some(&clip), utf8(&at("bind.png"))?)?;
+    let job = session.context.start_sketch_take(&drawing, &binding, &[&motion])?;
+    watch(&job, &session.interrupt)?;
+    let take = job.take_sketch_take()?;
+    const MADE: [&str; 2] = ["horse.svg", "horse.gif"];
+    for name in MADE {
+        let path = at(name);
+        let file = SketchFileOptions {
+            path: utf8(&path)?,
+            format: "",
+            name: "",
+            crop: false,
+            scale: 2.0,
+            background: [255; 4],
+        };
+        watch(&session.context.start_sketch_file(&take, &file)?, &session.interrupt)?;
+    }
+    std::fs::create_dir_all(folder).map_err(|e| failed(folder, &e))?;
+    let inputs = SKETCH.map(|(name, _)| name);
+    for name in inputs.into_iter().chain(["motion.json", "bind.json", "bind.png"]).chain(MADE) {
+        let path = folder.join(name);
+        // A person's own from an earlier run stay.
+        if (inputs.contains(&name) || name == "bind.json") && path.exists() {
+            continue;
+        }
+        std::fs::copy(at(name), &path).map_err(|e| failed(&path, &e))?;
+    }
+    if session.json {
+        say::line(&session.report("demo", &said, folder)?.to_string());
+        return Ok(());
+    }
+    let shown = folder.display();
+    say::text(&format!(
+        "\
+{shown}/horse.svg     a drawing that gallops, in any browser: open it first (horse.gif is the same as pixels)
+{shown}/bind.png      which point of the clip holds which place of the drawing
+then draw another over {shown}/drawing.svg, or move a point in {shown}/bind.json:
+  marey sketch {shown}/drawing.svg --motion {shown}/motion.json --bind {shown}/bind.json -o {shown}/horse.svg
 "
     ));
     Ok(())

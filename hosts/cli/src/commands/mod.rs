@@ -5,11 +5,13 @@ mod creature;
 mod deform;
 mod demo;
 mod info;
+mod path;
 mod plugin;
 mod plugin_new;
 mod segment;
 mod session_files;
 mod session_info;
+mod sketch;
 mod track;
 
 pub(crate) use character::{character, retarget, rig};
@@ -17,11 +19,13 @@ pub(crate) use creature::creature;
 pub(crate) use deform::deform;
 pub(crate) use demo::demo;
 pub(crate) use info::info;
+pub(crate) use path::path;
 pub(crate) use plugin::{check as plugin_check, list as plugin_list, probe as plugin_probe};
 pub(crate) use plugin_new::new as plugin_new;
 pub(crate) use segment::segment;
 pub(crate) use session_files::{session_embed, session_replay};
 pub(crate) use session_info::session_info;
+pub(crate) use sketch::{bind, sketch};
 pub(crate) use track::track;
 
 use std::path::Path;

@@ -1,4 +1,4 @@
-//! `marey track CLIP (--strokes S.json | --joints J.json) -o motion.json`
+//! `marey track CLIP (--strokes S.json | --joints J.json | --points P.json) -o motion.json`
 
 use std::path::Path;
 
@@ -13,11 +13,12 @@ use crate::watch::watch;
 
 pub(crate) fn track(session: &Session, args: &Track) -> Result<(), Failure> {
     check_file(&args.output)?;
-    match (&args.joints, &args.strokes) {
-        (Some(joints), _) => capture(session, args, joints),
-        (None, Some(strokes)) => track_limbs(session, args, strokes),
+    match (&args.joints, &args.points, &args.strokes) {
+        (Some(joints), _, _) => capture(session, args, joints),
+        (None, Some(points), _) => track_points(session, args, points),
+        (None, None, Some(strokes)) => track_limbs(session, args, strokes),
         // The parser asks for one of them.
-        (None, None) => Ok(()),
+        (None, None, None) => Ok(()),
     }
 }
 
@@ -50,6 +51,21 @@ fn capture(session: &Session, args: &Track, marks: &Path) -> Result<(), Failure>
     Ok(())
 }
 
+fn track_points(session: &Session, args: &Track, marks: &Path) -> Result<(), Failure> {
+    let points = session.context.read_control_points(utf8(marks)?)?;
+    let clip = session.open_clip(&args.clip)?;
+    points.validate(Some(&clip)).map_err(|e| Failure::from(e).about(marks))?;
+    let job = session.context.start_point_track(&clip, &points, false)?;
+    watch(&job, &session.interrupt)?;
+    let motion = job.take_motion()?;
+    let report = finish(session, args, &motion, &motion.point_report(&points)?)?;
+    if let Some(report) = report {
+        say_tracks(args, &motion, "points")?;
+        next_key(&report).inspect(|line| say::line(line));
+    }
+    Ok(())
+}
+
 /// Writes the motion, and says the report where it was asked for; else gives it back.
 fn finish(session: &Session, args: &Track, motion: &Motion, engine: &str) -> Result<Option<Value>, Failure> {
     session.interrupt.check()?;
@@ -73,4 +89,11 @@ fn next_mark(report: &Value) -> Option<String> {
     let best = report.get("correct_next")?.get(0)?;
     let (joint, frame) = (best.get("joint")?.as_str()?, best.get("frame")?.as_u64()?);
     Some(format!("least certain: `{joint}` on frame {frame}; a rectangle there helps most"))
+}
+
+/// The key that would help most, for a person.
+fn next_key(report: &Value) -> Option<String> {
+    let best = report.get("correct_next")?.get(0)?;
+    let (point, frame) = (best.get("point")?.as_str()?, best.get("frame")?.as_u64()?);
+    Some(format!("least certain: `{point}` on frame {frame}; a key there helps most"))
 }
