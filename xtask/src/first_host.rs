@@ -1,4 +1,4 @@
-//! The articles docs/c/first-host.md and characters.md, taken at their word: their programs are built from an installed
+//! The articles docs/c/first-host.md, characters.md and sketches.md, taken at their word: their programs are built from an installed
 //! prefix and nothing else, by make with pkg-config, the first also by CMake and static, and run.
 
 use std::path::Path;
@@ -57,7 +57,8 @@ pub(crate) fn run(prefix: &Path, sample: &Sample) -> Result<()> {
     let said = String::from_utf8_lossy(&refused.stderr);
     ensure!(!refused.status.success() && said.contains("/no/such/clip.mp4"), "the first host's error: {said}");
     say("first-host.md: its programs build by make and CMake, shared and static, and make the same creature");
-    characters(&pkgconfig)
+    characters(&pkgconfig)?;
+    sketches(&pkgconfig)
 }
 
 /// The program of characters.md makes a GIF of the bundled drawing.
@@ -74,6 +75,27 @@ fn characters(pkgconfig: &Path) -> Result<()> {
     let said = String::from_utf8_lossy(&refused.stderr);
     ensure!(!refused.status.success() && said.contains("/no/such/drawing.png"), "characters.md's error: {said}");
     say("characters.md: its program makes a GIF of a drawing");
+    Ok(())
+}
+
+/// The program of sketches.md lets a bundled drawing gallop, as Lottie.
+fn sketches(pkgconfig: &Path) -> Result<()> {
+    let article = std::fs::read_to_string(root().join("docs/c/sketches.md"))?;
+    let folder = fresh("sketches")?;
+    std::fs::write(folder.join("first.c"), block(&article, "c")?)?;
+    std::fs::write(folder.join("Makefile"), MAKEFILE)?;
+    read(program("make").arg("shared_c").current_dir(&folder).env("PKG_CONFIG_PATH", pkgconfig))?;
+    let data = |name: &str| root().join("data").join(name);
+    let (clip, points) = (data("animals/horse-gallop.webp"), data("animals/horse-gallop.points.json"));
+    let (drawing, made) = (data("drawings/horse.svg"), folder.join("horse.json"));
+    read(host(&folder.join("shared_c")).args([&clip, &points, &drawing, &made]))?;
+    let lottie = std::fs::read_to_string(&made)?;
+    ensure!(lottie.starts_with('{') && lottie.contains("\"layers\""), "sketches.md: no Lottie");
+    let missing = Path::new("/no/such/drawing.svg");
+    let refused = host(&folder.join("shared_c")).args([clip.as_path(), &points, missing, &made]).output()?;
+    let said = String::from_utf8_lossy(&refused.stderr);
+    ensure!(!refused.status.success() && said.contains("/no/such/drawing.svg"), "sketches.md's error: {said}");
+    say("sketches.md: its program lets a drawing gallop");
     Ok(())
 }
 

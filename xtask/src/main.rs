@@ -6,6 +6,7 @@ mod cancels;
 mod check;
 mod compile_matrix;
 mod first_host;
+mod gallery;
 mod header;
 mod library;
 mod measure;
@@ -41,6 +42,7 @@ cargo xtask COMMAND
                      built-in trackers and segmenters beside the plugins that ship (release build)
   players [DATA]     takes of characters in three.js, lottie-web, the DragonBones runtime and a reader of Spine's JSON
                      (fetches them and a browser)
+  gallery            the pictures of docs/sketches.md, made anew by the commands it gives (release build)
   validate GLB ...   the Khronos glTF validator on files
 ";
 
@@ -66,6 +68,7 @@ fn main() -> Result<()> {
         "c-host" => c_host::run(rest),
         "cancels" => cancels::run(),
         "players" => players::run(rest),
+        "gallery" => gallery::gallery(),
         "validate" => validator::run(rest),
         "help" | "--help" | "-h" => {
             shell::say(HELP);
