@@ -4,7 +4,7 @@
 use glam::Vec2;
 use serde_json::json;
 
-use super::placing::{bind_automatically, control_points, most_spread_frame};
+use super::placing::{bind_automatically, control_points, most_telling_frame};
 use super::{Binding, Drawing, Outline};
 use crate::clip::Clip;
 use crate::error::{Error, Result};
@@ -23,7 +23,7 @@ pub struct Laying<'a> {
     pub name: &'a str,
     /// The clip that the motion was tracked in; without it and a contour the points alone suggest a figure.
     pub clip: Option<&'a Clip>,
-    /// The frame of the motion that the drawing is like; without it the one in which points are spread most.
+    /// The frame of the motion that the drawing is like; without it the one in which they are known best.
     pub frame: Option<usize>,
     /// The contour of what moves in that frame, where a person drew it, in clip pixels.
     pub contour: Option<&'a [Vec2]>,
@@ -55,7 +55,7 @@ impl Laying<'_> {
     /// motion, or one of its frames cannot be read; an outline that is none; a cancel.
     pub fn lay(&self, stage: Stage<'_>) -> Result<Laid> {
         let motion = self.motion;
-        let frame = self.frame.unwrap_or_else(|| most_spread_frame(motion));
+        let frame = self.frame.unwrap_or_else(|| most_telling_frame(motion));
         if frame >= motion.frames {
             let problem = format!("the motion has {} frames", motion.frames);
             return Err(Error::invalid(format!("frame {frame}"), problem, "frames count from 0"));

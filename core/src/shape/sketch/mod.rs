@@ -38,7 +38,7 @@ pub use freehand::PenSample;
 pub use laying::{Laid, Laying};
 pub use outline::{Outline, OutlineKind};
 pub use placing::{
-    ControlPoint, ObjectShape, Placing, bind_automatically, control_points, most_spread_frame, place_points,
+    ControlPoint, ObjectShape, Placing, bind_automatically, control_points, most_telling_frame, place_points,
 };
 pub use pressed::outline as pressed_outline;
 pub use svg_in::SvgIn;

@@ -150,21 +150,29 @@ pub fn control_points(motion: &Motion, frame: usize) -> Vec<ControlPoint> {
     chosen
 }
 
-/// The frame in which the points of a motion lie farthest apart, so that limbs hide each other least; 0 for a motion
-/// without frames.
-pub fn most_spread_frame(motion: &Motion) -> usize {
-    let spread = |frame: usize| {
-        let seen = motion.tracks.iter().filter_map(|t| t.frames.get(frame));
-        let places: Vec<Vec2> = seen.flat_map(|f| f.points.iter().copied()).collect();
+/// The frame in which most points of a motion are certain, as they are where they were marked, and among such frames the one
+/// in which they lie farthest apart, so that limbs hide each other least; 0 for a motion without frames.
+pub fn most_telling_frame(motion: &Motion) -> usize {
+    let telling = |frame: usize| {
+        let seen = || motion.tracks.iter().filter_map(|t| t.frames.get(frame));
+        let certain = seen().flat_map(|f| &f.confidence).filter(|c| **c >= 1.0).count();
+        let places: Vec<Vec2> = seen().flat_map(|f| f.points.iter().copied()).collect();
         let mean = places.iter().sum::<Vec2>() / places.len().max(1) as f32;
-        places.iter().map(|p| p.distance(mean)).sum::<f32>()
+        (certain, places.iter().map(|p| p.distance(mean)).sum::<f32>())
     };
-    // The first of equals.
-    (0..motion.frames).rev().max_by(|a, b| spread(*a).total_cmp(&spread(*b))).unwrap_or(0)
+    let (mut best, mut most) = (0, (0, 0.0));
+    for frame in 0..motion.frames {
+        let now = telling(frame);
+        // The first of equals.
+        if now.0 > most.0 || now.0 == most.0 && now.1 > most.1 {
+            (best, most) = (frame, now);
+        }
+    }
+    best
 }
 
 /// Binds a motion to a drawing of this page size and outline as [`place_points`] proposes. `object` is the contour of the
-/// object in a frame of the motion's clip; without it, a figure is guessed in the frame in which points are spread most.
+/// object in a frame of the motion's clip; without it, a figure is guessed in [`most_telling_frame`].
 /// Also says how far each place is to be trusted, 0..=1.
 ///
 /// # Errors
@@ -177,7 +185,7 @@ pub fn bind_automatically(
     mirror: Option<bool>,
     stage: Stage<'_>,
 ) -> Result<(Binding, Vec<f32>)> {
-    let frame = object.map_or_else(|| most_spread_frame(motion), |(frame, _)| frame);
+    let frame = object.map_or_else(|| most_telling_frame(motion), |(frame, _)| frame);
     if frame >= motion.frames {
         let problem = format!("the motion has {} frames", motion.frames);
         return Err(Error::invalid(format!("frame {frame}"), problem, "frames count from 0"));
@@ -258,7 +266,11 @@ mod tests {
     #[test]
     fn a_motion_is_bound_where_its_points_are_spread() {
         let (motion, progress) = (motion(), Progress::new());
-        assert_eq!(most_spread_frame(&motion), 1);
+        assert_eq!(most_telling_frame(&motion), 1);
+        // What was marked goes before what is only spread.
+        let mut tracked = motion.clone();
+        tracked.tracks.iter_mut().for_each(|t| t.frames[1].confidence.fill(0.9));
+        assert_eq!(most_telling_frame(&tracked), 0);
         let outline: Vec<Vec2> = beast().iter().map(|p| *p * 2.0).collect();
         let contour = beast();
         for object in [None, Some((1, &contour[..]))] {
