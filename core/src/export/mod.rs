@@ -5,6 +5,7 @@ mod bind_preview;
 mod canvas;
 mod creature_folder;
 mod folder;
+mod format_name;
 pub mod gif;
 pub mod gltf;
 mod masks;

@@ -7,7 +7,7 @@ use image::{RgbaImage, imageops};
 use super::animation::{self, Animation, AnimationFormat, RATES};
 use super::vector::animated_svg::{self, SvgOptions};
 use super::vector::{curve, lottie};
-use super::write_aside;
+use super::{format_name, write_aside};
 use crate::error::{Error, Result};
 use crate::job::Stage;
 use crate::shape::sketch::{Drawing, SketchCanvas, SketchTake, draw_sketch};
@@ -61,18 +61,7 @@ impl SketchFormat {
     /// # Errors
     /// A name or an ending that is not known.
     pub fn choose(name: Option<&str>, path: &Path) -> Result<Self> {
-        let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
-        let wanted = match (name, extension.as_deref()) {
-            (Some(name), _) => name,
-            (None, Some("json")) => "lottie",
-            (None, Some("png")) => "apng",
-            (None, Some(ending)) => ending,
-            (None, None) => "png-dir",
-        };
-        Self::ALL.iter().find(|f| f.1 == wanted).map(|f| f.0).ok_or_else(|| {
-            let names: Vec<&str> = Self::ALL.iter().map(|f| f.1).collect();
-            Error::invalid("format", format!("`{wanted}` is not known"), format!("choose one of {}", names.join(", ")))
-        })
+        format_name::choose(&Self::ALL, name, path)
     }
 }
 

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use image::RgbaImage;
 
 use super::animation::{self, Animation, AnimationFormat};
+use super::format_name;
 use super::scene::{character_gltf, dragonbones, lottie, spine};
 use crate::error::{Error, Result};
 use crate::job::Stage;
@@ -56,18 +57,7 @@ impl TakeFormat {
     /// # Errors
     /// A name or an ending that is not known.
     pub fn choose(name: Option<&str>, path: &Path) -> Result<Self> {
-        let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
-        let wanted = match (name, extension.as_deref()) {
-            (Some(name), _) => name,
-            (None, Some("json")) => "lottie",
-            (None, Some("png")) => "apng",
-            (None, Some(ending)) => ending,
-            (None, None) => "png-dir",
-        };
-        Self::ALL.iter().find(|f| f.1 == wanted).map(|f| f.0).ok_or_else(|| {
-            let names: Vec<&str> = Self::ALL.iter().map(|f| f.1).collect();
-            Error::invalid("format", format!("`{wanted}` is not known"), format!("choose one of {}", names.join(", ")))
-        })
+        format_name::choose(&Self::ALL, name, path)
     }
 }
 
