@@ -15,8 +15,7 @@ use crate::motion::Motion;
 use crate::raster::Mask;
 use crate::rig::Rig;
 use crate::segment::Segmenter;
-use crate::shape::RiggedModel;
-use crate::shape::creature::{CreatureParams, reconstruct};
+use crate::shape::creature::{Creature, CreatureParams, reconstruct};
 use crate::track::Tracker;
 
 /// The share of the time of [`creature_to_folder`] that computing takes; the rest is writing.
@@ -62,7 +61,7 @@ pub struct Outcome {
     /// The creature's mask in every frame.
     pub masks: Vec<Mask>,
     /// The textured creature on its animated bones.
-    pub model: RiggedModel,
+    pub creature: Creature,
     /// What was done, how long it took, and what to correct next.
     pub report: Report,
 }
@@ -95,12 +94,12 @@ pub fn creature(clip: &Clip, rig: &Rig, options: &PipelineOptions<'_>, stage: St
     let began = Instant::now();
     let shape = stage.part(SEGMENTED, 1.0);
     shape.name("reconstructing")?;
-    let model = reconstruct(clip, rig, &motion, &masks, &options.creature, shape)?.model;
-    model.validate()?;
-    report.count_model(&model);
+    let creature = reconstruct(clip, rig, &motion, &masks, &options.creature, shape)?;
+    creature.validate()?;
+    report.count_model(&creature.model);
     report.stage("reconstruct", began.elapsed().as_secs_f64());
     stage.at(1.0)?;
-    Ok(Outcome { motion, masks, model, report })
+    Ok(Outcome { motion, masks, creature, report })
 }
 
 /// [`creature`], and everything it made written into `target`, whole or not at all.
@@ -132,9 +131,9 @@ impl Outcome {
         options: &FolderOptions,
         stage: Stage<'_>,
     ) -> Result<Report> {
-        let Self { motion, masks, model, report } = self;
+        let Self { motion, masks, creature, report } = self;
         let mut report = report.clone();
-        write_creature(target, &CreatureFiles { clip, rig, motion, masks, model }, options, &mut report, stage)?;
+        write_creature(target, &CreatureFiles { clip, rig, motion, masks, creature }, options, &mut report, stage)?;
         Ok(report)
     }
 }

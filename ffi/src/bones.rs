@@ -57,7 +57,7 @@ pub unsafe extern "C" fn mry_creature_get_bone(
         let name = Text::new(name, capacity, out_size, "name")?;
         let out_parent = Out::optional(out_parent, "out_parent")?;
         let creature = call.creature(creature)?;
-        let bones = &creature.model.bones;
+        let bones = &creature.model().bones;
         let none = || Failure::argument("bone", format!("bone is {bone}, and there are {}", bones.len()));
         let bone = bones.get(bone as usize).ok_or_else(none)?;
         name.fill(&bone.name)?;
@@ -90,7 +90,7 @@ pub unsafe extern "C" fn mry_creature_read_pose(
     entry!(context, err, |call| {
         let transforms = List::new(transforms, capacity, out_count, "transforms")?;
         let creature = call.creature(creature)?;
-        let model = &creature.model;
+        let model = creature.model();
         let pose = if frame == MRY_REST_POSE {
             &model.rest
         } else {

@@ -9,6 +9,7 @@ use marey::clip::Clip;
 use marey::geometry::TriMesh;
 use marey::motion::Motion;
 use marey::rig::Rig;
+use marey::shape::creature;
 use marey::shape::{RiggedModel, SkinnedPart};
 
 use crate::border::{self, Out, OutStruct, Text, Versioned};
@@ -20,20 +21,37 @@ use crate::motion::mry_motion;
 use crate::status::{mry_status, mry_status_code as Code};
 use crate::table::Table;
 
-/// A creature with what it came from, so that its folder can be written at any time.
-pub(crate) struct Creature {
+/// What a creature was reconstructed from, so that its folder can be written at any time.
+pub(crate) struct Origin {
     pub(crate) clip: Arc<Clip>,
     pub(crate) rig: Rig,
-    pub(crate) motion: Arc<Motion>,
     pub(crate) masks: Arc<MaskSet>,
-    pub(crate) model: RiggedModel,
+}
+
+/// A creature and what moves it.
+pub(crate) struct Creature {
+    /// None for one that was opened from a file.
+    pub(crate) origin: Option<Origin>,
+    pub(crate) motion: Arc<Motion>,
+    pub(crate) creature: creature::Creature,
     /// The frame that was posed last: a host reads all parts of one frame in turn.
     posed: Mutex<Option<(usize, Arc<Vec<TriMesh>>)>>,
 }
 
 impl Creature {
-    pub(crate) fn new(clip: Arc<Clip>, rig: Rig, motion: Arc<Motion>, masks: Arc<MaskSet>, model: RiggedModel) -> Self {
-        Self { clip, rig, motion, masks, model, posed: Mutex::new(None) }
+    pub(crate) fn new(origin: Option<Origin>, motion: Arc<Motion>, creature: creature::Creature) -> Self {
+        Self { origin, motion, creature, posed: Mutex::new(None) }
+    }
+
+    pub(crate) fn model(&self) -> &RiggedModel {
+        &self.creature.model
+    }
+
+    /// What it was reconstructed from.
+    pub(crate) fn origin(&self) -> marey::Result<&Origin> {
+        let problem = "was opened from a file, which holds no clip, masks or report";
+        let remedy = "ask the creature that was reconstructed";
+        self.origin.as_ref().ok_or_else(|| marey::Error::invalid("the creature", problem, remedy))
     }
 
     pub(crate) fn pose(&self, frame: usize) -> Arc<Vec<TriMesh>> {
@@ -41,7 +59,7 @@ impl Creature {
         match last {
             Some((posed, meshes)) if posed == frame => meshes,
             _ => {
-                let meshes = Arc::new(self.model.pose(frame));
+                let meshes = Arc::new(self.model().pose(frame));
                 *self.posed.lock().unwrap_or_else(PoisonError::into_inner) = Some((frame, meshes.clone()));
                 meshes
             }
@@ -49,9 +67,9 @@ impl Creature {
     }
 
     pub(crate) fn part(&self, part: u32) -> Outcome<&SkinnedPart> {
-        let count = self.model.parts.len();
+        let count = self.model().parts.len();
         let none = || Failure::argument("part", format!("part is {part}, and there are {count}"));
-        self.model.parts.get(part as usize).ok_or_else(none)
+        self.model().parts.get(part as usize).ok_or_else(none)
     }
 }
 
@@ -152,7 +170,7 @@ pub unsafe extern "C" fn mry_creature_get_info(
     entry!(context, err, |call| {
         let out = OutStruct::new(out_info, "out_info")?;
         let creature = call.creature(creature)?;
-        let model = &creature.model;
+        let model = creature.model();
         out.set(&mry_creature_info {
             struct_size: 0,
             width: model.size.0,
@@ -212,7 +230,7 @@ pub unsafe extern "C" fn mry_creature_get_masks(
     entry!(context, err, |call| {
         let out = Out::new(out_masks, "out_masks")?;
         let creature = call.creature(creature)?;
-        out.set(call.keep_masks(creature.masks.clone())?);
+        out.set(call.keep_masks(creature.origin()?.masks.clone())?);
         Ok(Code::MRY_OK)
     })
 }
@@ -239,6 +257,6 @@ pub unsafe extern "C" fn mry_creature_get_report(
 ) -> mry_status {
     entry!(context, err, |call| {
         let text = Text::new(text, capacity, out_size, "text")?;
-        text.fill(&call.creature(creature)?.masks.report.to_json())
+        text.fill(&call.creature(creature)?.origin()?.masks.report.to_json())
     })
 }

@@ -8,7 +8,7 @@ use marey::export::{CreatureFiles, FolderOptions, overlay, preview, write_aside,
 use marey::job::{Progress, Stage};
 
 use crate::context::mry_context;
-use crate::creature::{Creature, mry_creature};
+use crate::creature::{Creature, Origin, mry_creature};
 use crate::error::{Failure, Outcome, mry_error};
 use crate::guard::{Call, entry};
 use crate::status::{mry_status, mry_status_code as Code};
@@ -53,26 +53,29 @@ pub(crate) enum Export {
 impl Export {
     /// Writes it to `path`, whole or not at all.
     pub(crate) fn write(&self, creature: &Creature, path: &Path, stage: Stage<'_>) -> marey::Result<()> {
-        let Creature { clip, rig, motion, masks, model, .. } = creature;
+        let model = creature.model();
         let most = stage.part(0.0, 0.95);
         match self {
             Self::Glb(scale) => {
                 stage.name("writing glTF")?;
                 let mut options = GltfOptions::default();
                 options.scale = *scale;
-                write_aside(path, &gltf::glb(model, &options, most)?)?;
+                write_aside(path, &gltf::glb(&creature.creature, &options, most)?)?;
             }
-            Self::Obj => write_obj_folder(path, model, &masks.report, most)?,
+            Self::Obj => write_obj_folder(path, model, creature.origin.as_ref().map(|o| &o.masks.report), most)?,
             Self::Overlay => {
                 stage.name("writing the overlay")?;
-                write_aside(path, &overlay(clip, rig, motion, &masks.masks, most)?)?;
+                let Origin { clip, rig, masks } = creature.origin()?;
+                write_aside(path, &overlay(clip, rig, &creature.motion, &masks.masks, most)?)?;
             }
             Self::Preview => {
                 stage.name("writing the preview")?;
                 write_aside(path, &preview(model, most)?)?;
             }
             Self::Folder(options) => {
-                let files = CreatureFiles { clip, rig, motion, masks: &masks.masks, model };
+                let Origin { clip, rig, masks } = creature.origin()?;
+                let Creature { motion, creature, .. } = creature;
+                let files = CreatureFiles { clip, rig, motion, masks: &masks.masks, creature };
                 let mut report = masks.report.clone();
                 // It may tell of another folder that the job has written.
                 report.outputs.clear();

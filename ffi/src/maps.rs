@@ -214,7 +214,7 @@ pub unsafe extern "C" fn mry_creature_map_part(
         if frame == MRY_REST_POSE {
             return call.map_mesh(&out, rest, creature.clone());
         }
-        let posed = creature.pose(frame_index(frame, creature.model.animation.len())?);
+        let posed = creature.pose(frame_index(frame, creature.model().animation.len())?);
         call.map_mesh(&out, &posed[part as usize], posed.clone())
     })
 }

@@ -7,7 +7,7 @@ use marey::pipeline::{self, PipelineOptions};
 use crate::border::{self, Out, Versioned};
 use crate::clip::mry_clip;
 use crate::context::mry_context;
-use crate::creature::{Creature, mry_creature};
+use crate::creature::{Creature, Origin, mry_creature};
 use crate::creature_files::folder_options;
 use crate::error::{Outcome, mry_error};
 use crate::guard::{Call, entry};
@@ -67,7 +67,8 @@ impl Call<'_> {
             };
             let motion = Arc::new(made.motion);
             let masks = Arc::new(MaskSet { masks: made.masks, report: made.report });
-            let creature = Creature::new(clip, rig, motion.clone(), masks.clone(), made.model);
+            let origin = Origin { clip, rig, masks: masks.clone() };
+            let creature = Creature::new(Some(origin), motion.clone(), made.creature);
             Ok(Product {
                 motion: Part::Made(motion),
                 masks: Part::Made(masks),

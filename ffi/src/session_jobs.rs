@@ -19,7 +19,7 @@ use marey_plugin_loader::{PluginKind, Slot};
 
 use crate::border::{List, Out};
 use crate::context::mry_context;
-use crate::creature::{Creature, mry_creature};
+use crate::creature::{Creature, Origin, mry_creature};
 use crate::error::{Failure, Outcome, mry_error};
 use crate::guard::{Call, entry};
 use crate::job::mry_job;
@@ -81,7 +81,8 @@ impl Call<'_> {
             let motion = Arc::new(made.motion);
             let masks = Arc::new(MaskSet { masks: made.masks, report: made.report });
             let rig = (*inputs.rig).clone();
-            let creature = Creature::new(clip, rig, motion.clone(), masks.clone(), made.model);
+            let origin = Origin { clip, rig, masks: masks.clone() };
+            let creature = Creature::new(Some(origin), motion.clone(), made.creature);
             let made = ForSession { session: session.v, inputs, motion: motion.clone(), creature: true };
             Ok(Product {
                 motion: Part::Made(motion),

@@ -130,7 +130,7 @@ pub unsafe extern "C" fn mry_creature_read_vertices(
         let mesh = if frame == MRY_REST_POSE {
             rest
         } else {
-            posed = creature.pose(frame_index(frame, creature.model.animation.len())?);
+            posed = creature.pose(frame_index(frame, creature.model().animation.len())?);
             &posed[part as usize]
         };
         lists.fit(rest.positions.len())?;

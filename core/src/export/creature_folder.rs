@@ -16,7 +16,7 @@ use crate::job::Stage;
 use crate::motion::Motion;
 use crate::raster::Mask;
 use crate::rig::Rig;
-use crate::shape::RiggedModel;
+use crate::shape::creature::Creature;
 
 const OURS: [&str; 7] = ["creature.glb", "motion.json", "masks", "overlay.gif", "preview.gif", REPORT, "meshes"];
 
@@ -32,7 +32,7 @@ pub struct CreatureFiles<'a> {
     /// The masks, one a frame.
     pub masks: &'a [Mask],
     /// The creature.
-    pub model: &'a RiggedModel,
+    pub creature: &'a Creature,
 }
 
 /// Which files to write, and how.
@@ -77,13 +77,13 @@ pub fn write_creature(
     report: &mut Report,
     stage: Stage<'_>,
 ) -> Result<()> {
-    let &CreatureFiles { clip, rig, motion, masks, model } = files;
+    let &CreatureFiles { clip, rig, motion, masks, creature } = files;
     let folder = StagedFolder::begin(target, is_ours)?;
 
     stage.name("writing creature.glb")?;
     let began = Instant::now();
     let gltf = GltfOptions { scale: options.scale, ..GltfOptions::default() };
-    folder.write("creature.glb", &glb(model, &gltf, stage.part(0.0, 0.1))?)?;
+    folder.write("creature.glb", &glb(creature, &gltf, stage.part(0.0, 0.1))?)?;
     report.wrote("creature.glb", began);
 
     stage.part(0.1, 0.25).name("writing masks")?;
@@ -102,14 +102,14 @@ pub fn write_creature(
 
         stage.part(0.5, 0.8).name("writing preview.gif")?;
         let began = Instant::now();
-        folder.write("preview.gif", &preview(model, stage.part(0.5, 0.8))?)?;
+        folder.write("preview.gif", &preview(&creature.model, stage.part(0.5, 0.8))?)?;
         report.wrote("preview.gif", began);
     }
     if options.obj {
         stage.part(0.8, 1.0).name("writing meshes")?;
         let began = Instant::now();
         folder.create_dir("meshes")?;
-        write_obj(&folder.path().join("meshes"), model, stage.part(0.8, 1.0))?;
+        write_obj(&folder.path().join("meshes"), &creature.model, stage.part(0.8, 1.0))?;
         report.wrote("meshes", began);
     }
     report.outputs.push(REPORT.into());

@@ -63,15 +63,17 @@ pub fn write_obj(folder: &Path, model: &RiggedModel, stage: Stage<'_>) -> Result
     })
 }
 
-/// The meshes alone with report.json, put into `target` whole or not at all.
+/// The meshes alone, with report.json where there is a report, put into `target` whole or not at all.
 ///
 /// # Errors
 /// As [`write_obj`], or a target that is somebody else's ([`StagedFolder::begin`]).
-pub fn write_obj_folder(target: &Path, model: &RiggedModel, report: &Report, stage: Stage<'_>) -> Result<()> {
+pub fn write_obj_folder(target: &Path, model: &RiggedModel, report: Option<&Report>, stage: Stage<'_>) -> Result<()> {
     let folder = StagedFolder::begin(target, is_ours)?;
     stage.name("writing meshes")?;
     write_obj(folder.path(), model, stage)?;
-    folder.write(REPORT, report.to_json().as_bytes())?;
+    if let Some(report) = report {
+        folder.write(REPORT, report.to_json().as_bytes())?;
+    }
     stage.at(1.0)?;
     folder.commit()
 }

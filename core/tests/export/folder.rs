@@ -7,7 +7,7 @@ use marey::export::{CreatureFiles, FolderOptions, write_creature, write_mask_fol
 use marey::job::Progress;
 use marey::motion::Motion;
 use marey::raster::Mask;
-use marey::shape::RiggedModel;
+use marey::shape::creature::Creature;
 use marey::{Error, Result};
 
 use crate::model::animal;
@@ -15,9 +15,9 @@ use crate::scene::{Scene, listing};
 
 const FRAMES: usize = 5;
 
-fn write(scene: &Scene, masks: &[Mask], model: &RiggedModel, target: &Path, obj: bool) -> Result<Report> {
+fn write(scene: &Scene, masks: &[Mask], creature: &Creature, target: &Path, obj: bool) -> Result<Report> {
     let clip = scene.clip();
-    let files = CreatureFiles { clip: &clip, rig: &scene.rig, motion: &scene.motion, masks, model };
+    let files = CreatureFiles { clip: &clip, rig: &scene.rig, motion: &scene.motion, masks, creature };
     let mut options = FolderOptions::default();
     options.obj = obj;
     let mut report = Report::new(clip.info(), &scene.rig, &scene.motion);
@@ -29,7 +29,7 @@ fn write(scene: &Scene, masks: &[Mask], model: &RiggedModel, target: &Path, obj:
 fn holds_everything_it_says() {
     let scene = Scene::new(FRAMES);
     let target = scene.scratch("deep/creature");
-    let report = write(&scene, &scene.masks, &animal(FRAMES), &target, true).expect("written");
+    let report = write(&scene, &scene.masks, &animal(FRAMES).into(), &target, true).expect("written");
     for name in &report.outputs {
         assert!(target.join(name).exists(), "{name}");
     }
@@ -58,12 +58,12 @@ fn replaces_what_is_ours_and_nothing_else() {
     let target = scene.scratch("creature");
     std::fs::create_dir_all(&target).expect("a folder");
     std::fs::write(target.join("notes.txt"), "mine").expect("written");
-    write(&scene, &scene.masks, &animal(FRAMES), &target, true).expect("written into a folder with a note");
+    write(&scene, &scene.masks, &animal(FRAMES).into(), &target, true).expect("written into a folder with a note");
     let first = std::fs::read(target.join("creature.glb")).expect("a creature");
     assert!(target.join("meshes/00000.obj").exists());
 
-    let mut other = animal(FRAMES);
-    other.parts.pop();
+    let mut other = Creature::from(animal(FRAMES));
+    other.model.parts.pop();
     write(&scene, &scene.masks, &other, &target, false).expect("written again");
     assert_ne!(std::fs::read(target.join("creature.glb")).expect("a creature"), first);
     assert!(!target.join("meshes").exists(), "what is no longer made does not stay");
@@ -74,19 +74,19 @@ fn replaces_what_is_ours_and_nothing_else() {
 fn a_failure_leaves_what_was_there() {
     let scene = Scene::new(FRAMES);
     let (fresh, used) = (scene.scratch("fresh"), scene.scratch("used"));
-    write(&scene, &scene.masks, &animal(FRAMES), &used, true).expect("written");
+    write(&scene, &scene.masks, &animal(FRAMES).into(), &used, true).expect("written");
     let before = listing(&used);
     let old = std::fs::read(used.join("creature.glb")).expect("a creature");
 
     // Creature and masks are written by then; the overlay finds that they do not fit.
-    let mut other = animal(FRAMES);
-    other.parts.pop();
+    let mut other = Creature::from(animal(FRAMES));
+    other.model.parts.pop();
     for target in [&fresh, &used] {
         assert!(write(&scene, &scene.masks[..2], &other, target, true).is_err());
     }
     let clip = scene.clip();
     let files =
-        CreatureFiles { clip: &clip, rig: &scene.rig, motion: &scene.motion, masks: &scene.masks, model: &other };
+        CreatureFiles { clip: &clip, rig: &scene.rig, motion: &scene.motion, masks: &scene.masks, creature: &other };
     for target in [&fresh, &used] {
         let progress = Progress::new();
         progress.cancel();
@@ -106,13 +106,13 @@ fn refuses_places_that_are_somebody_elses() {
     let target = scene.scratch("mine");
     std::fs::create_dir_all(target.join("masks")).expect("a folder");
     std::fs::write(target.join("masks/00000.png"), "painted by hand").expect("written");
-    let error = write(&scene, &scene.masks, &animal(FRAMES), &target, false).expect_err("my masks");
+    let error = write(&scene, &scene.masks, &animal(FRAMES).into(), &target, false).expect_err("my masks");
     assert!(error.to_string().contains("`masks`") && error.to_string().contains("mine"), "{error}");
     assert_eq!(listing(&target), ["masks", "masks/00000.png"]);
 
     let file = target.join("masks/00000.png");
     for target in [file.clone(), file.join("below")] {
-        let error = write(&scene, &scene.masks, &animal(FRAMES), &target, false).expect_err("a file");
+        let error = write(&scene, &scene.masks, &animal(FRAMES).into(), &target, false).expect_err("a file");
         assert!(error.to_string().contains("00000.png"), "{error}");
     }
     assert_eq!(std::fs::read_to_string(&file).expect("the mask"), "painted by hand");

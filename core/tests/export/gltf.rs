@@ -8,7 +8,7 @@ use crate::gltf_reader::Reader;
 use crate::model::{add_island, animal};
 
 fn write(model: &RiggedModel, options: &GltfOptions) -> Vec<u8> {
-    glb(model, options, Progress::new().whole()).expect("a file")
+    glb(&model.clone().into(), options, Progress::new().whole()).expect("a file")
 }
 
 fn scaled(scale: f32) -> GltfOptions {
@@ -104,7 +104,7 @@ fn refuses_what_no_reader_could_show() {
     let refused = |change: fn(&mut RiggedModel), word: &str| {
         let mut model = animal(3);
         change(&mut model);
-        let error = glb(&model, &GltfOptions::default(), Progress::new().whole()).expect_err(word);
+        let error = glb(&model.into(), &GltfOptions::default(), Progress::new().whole()).expect_err(word);
         assert!(error.to_string().contains(word), "{error}");
     };
     refused(|m| m.parts[1].mesh.positions[3].x = f32::NAN, "leg_near");
@@ -115,9 +115,9 @@ fn refuses_what_no_reader_could_show() {
     refused(|m| m.bones[1].parent = Some(1), "parent");
     refused(|m| m.parts.clear(), "surface");
     for scale in [0.0, -1.0, f32::NAN] {
-        assert!(glb(&animal(1), &scaled(scale), Progress::new().whole()).is_err());
+        assert!(glb(&animal(1).into(), &scaled(scale), Progress::new().whole()).is_err());
     }
     let progress = Progress::new();
     progress.cancel();
-    assert!(matches!(glb(&animal(1), &GltfOptions::default(), progress.whole()), Err(marey::Error::Cancelled)));
+    assert!(matches!(glb(&animal(1).into(), &GltfOptions::default(), progress.whole()), Err(marey::Error::Cancelled)));
 }

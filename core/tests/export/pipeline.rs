@@ -68,7 +68,7 @@ fn truth_in_makes_a_creature_that_fits_the_clip() {
     let view = marey::raster::clip_view(scene.rig.size.1);
     for f in [0, 4, 7] {
         let mut raster = marey::raster::Rasterizer::new(scene.rig.size.0, scene.rig.size.1);
-        for mesh in outcome.model.pose(f) {
+        for mesh in outcome.creature.model.pose(f) {
             raster.draw(&mesh, &view, marey::raster::Surface::Bare, 0);
         }
         let drawn = Mask::from_fn(raster.id.width(), raster.id.height(), |x, y| raster.id.get(x, y) == 0);
@@ -82,7 +82,7 @@ fn threads_do_not_change_a_bit() {
     let scene = Scene::new(5);
     let bytes = || {
         let outcome = run(&scene, scene.motion.clone(), scene.masks.clone()).expect("a creature");
-        glb(&outcome.model, &GltfOptions::default(), Progress::new().whole()).expect("a file")
+        glb(&outcome.creature, &GltfOptions::default(), Progress::new().whole()).expect("a file")
     };
     let pool = |n| rayon::ThreadPoolBuilder::new().num_threads(n).build().expect("a pool");
     assert_eq!(pool(1).install(bytes), pool(3).install(bytes));

@@ -26,6 +26,7 @@ use self::buffer::Buffer;
 use super::png::encode_rgb;
 use crate::error::{Error, Result};
 use crate::job::Stage;
+use crate::shape::creature::Creature;
 use crate::shape::{RiggedModel, SkinnedPart};
 
 /// How to write a model.
@@ -49,8 +50,9 @@ impl Default for GltfOptions {
 /// # Errors
 /// A model that is not valid, a scale that is no positive number, a file that would be larger than the format's
 /// 4 GiB, or a cancel.
-pub fn glb(model: &RiggedModel, options: &GltfOptions, stage: Stage<'_>) -> Result<Vec<u8>> {
-    model.validate()?;
+pub fn glb(creature: &Creature, options: &GltfOptions, stage: Stage<'_>) -> Result<Vec<u8>> {
+    creature.validate()?;
+    let model = &creature.model;
     let scale = options.scale;
     if !(scale.is_finite() && scale > 0.0) {
         return Err(Error::invalid("scale", format!("is {scale}"), "give metres a pixel, above 0"));
@@ -103,7 +105,7 @@ pub fn glb(model: &RiggedModel, options: &GltfOptions, stage: Stage<'_>) -> Resu
     animation::add(&mut root, &mut buffer, model, scale, &bones);
     stage.at(0.9)?;
 
-    let scene = Scene { extensions: None, extras: extras(model, scale)?, name: Some("creature".into()), nodes: scene };
+    let scene = Scene { extensions: None, extras: extras(creature, scale)?, name: Some("creature".into()), nodes: scene };
     root.scene = Some(root.push(scene));
     pack(&mut root, buffer)
 }
@@ -207,12 +209,15 @@ fn add_mesh(
     })
 }
 
-/// What the file cannot say otherwise: its units and the clip it came from.
-fn extras(model: &RiggedModel, scale: f32) -> Result<gltf_json::Extras> {
+/// What the file cannot say otherwise: its units, the clip it came from, and the limbs that its bones make.
+fn extras(creature: &Creature, scale: f32) -> Result<gltf_json::Extras> {
+    let model = &creature.model;
     let value = serde_json::json!({
         "units": if scale == 1.0 { "1 unit is 1 pixel of the clip" } else { "metres" },
         "metres_per_pixel": scale,
         "clip": { "size": [model.size.0, model.size.1], "fps": model.fps, "frames": model.animation.len() },
+        "rest_frame": creature.rest_frame,
+        "limbs": creature.limbs,
     });
     serde_json::value::to_raw_value(&value).map(Some).map_err(|e| not_writable(&e))
 }

@@ -23,6 +23,8 @@ pub(super) struct LimbShape {
     pub axis: Axis,
     /// The axis' depth toward the viewer, `[frame][sample]`.
     pub z: Vec<Vec<f32>>,
+    /// How far beyond its hip it stands from what it hangs from, toward the viewer.
+    pub offset: f32,
     /// Radii in the image plane.
     pub radii: Radii,
     /// Half depth over half width at every sample.

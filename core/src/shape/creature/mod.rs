@@ -3,8 +3,10 @@
 
 mod axis;
 mod bones;
+mod creature_limb;
 mod fringe;
 mod limb;
+mod motion;
 mod params;
 mod path;
 mod radius;
@@ -17,6 +19,7 @@ mod tests;
 
 use rayon::prelude::*;
 
+pub use creature_limb::{CreatureLimb, Hold};
 pub use params::{CreatureParams, CrossSection, LegSpread};
 
 use self::axis::Axis;
@@ -38,14 +41,45 @@ const PAPER_SIZE: f32 = 512.0;
 pub struct Creature {
     /// Textured meshes on animated bones.
     pub model: RiggedModel,
+    /// Which bones carry which limb, in the rig's order. Empty where that is not known, as of a file that another
+    /// program wrote.
+    pub limbs: Vec<CreatureLimb>,
     /// The frame that gave the rest pose and the colours: the first key frame.
     pub rest_frame: usize,
 }
 
+impl From<RiggedModel> for Creature {
+    /// A model of which no limb is known.
+    fn from(model: RiggedModel) -> Self {
+        Self { model, limbs: Vec::new(), rest_frame: 0 }
+    }
+}
+
 impl Creature {
-    /// The creature as a rigged model.
-    pub fn rigged(&self) -> &RiggedModel {
-        &self.model
+    /// Checks the model ([`RiggedModel::validate`]), and that every limb's bones, parent and twin are there.
+    pub fn validate(&self) -> Result<()> {
+        self.model.validate()?;
+        for (l, limb) in self.limbs.iter().enumerate() {
+            let bad = |problem: &str| {
+                Err(Error::invalid(format!("limb `{}`", limb.label), problem, "build the creature anew"))
+            };
+            if limb.bones < 2 || limb.first_bone.saturating_add(limb.bones) > self.model.bones.len() {
+                return bad("has bones that are not there");
+            }
+            let linked = [limb.parent.map(|p| p.limb), limb.twin];
+            if linked.into_iter().flatten().any(|other| other == l || other >= self.limbs.len()) {
+                return bad("hangs from or pairs with a limb that is not there");
+            }
+            if ![limb.length, limb.radius, limb.offset].iter().all(|v| v.is_finite()) {
+                return bad("holds something that is no number");
+            }
+        }
+        // A chain of parents longer than there are limbs goes round.
+        let up = |l: usize| self.limbs[l].parent.map(|p| p.limb);
+        if (0..self.limbs.len()).any(|l| std::iter::successors(Some(l), |l| up(*l)).nth(self.limbs.len()).is_some()) {
+            return Err(Error::invalid("the creature", "has limbs that hang in a circle", "build the creature anew"));
+        }
+        Ok(())
     }
 }
 
@@ -100,6 +134,7 @@ pub fn reconstruct(
     let order = root_first(&limbs);
     place_in_depth(&mut limbs, &order, rig, params);
     let bones = bones::lay(&limbs, &order, frames, params.max_bones);
+    let finished = finished_limbs(&limbs, &bones, &skeleton);
     stage.name("texturing")?;
     let picture = clip.frame(rest)?;
     let parts = build_parts(&limbs, &bones, rest, &picture.rgb, masks, params, stage.part(0.6, 1.0))?;
@@ -112,7 +147,7 @@ pub fn reconstruct(
         parts,
     };
     stage.at(1.0)?;
-    Ok(Creature { model, rest_frame: rest })
+    Ok(Creature { model, limbs: finished, rest_frame: rest })
 }
 
 fn check(rig: &Rig, motion: &Motion, masks: &[Mask], size: (u32, u32)) -> Result<()> {
@@ -220,6 +255,7 @@ fn shape_limb(
         radii,
         depth_ratio,
         clip_height: rig.size.1 as f32,
+        offset: 0.0,
     }
 }
 
@@ -240,6 +276,26 @@ fn root_first(limbs: &[LimbShape]) -> Vec<usize> {
     order
 }
 
+/// What posing will need of the limbs.
+fn finished_limbs(limbs: &[LimbShape], bones: &bones::Bones, skeleton: &Skeleton) -> Vec<CreatureLimb> {
+    limbs
+        .iter()
+        .enumerate()
+        .map(|(l, limb)| CreatureLimb {
+            label: limb.label.clone(),
+            side: limb.side,
+            twin: limb.twin,
+            parent: limb.parent.map(|(limb, at_end)| Hold { limb, at_end }),
+            reversed: !skeleton.limbs[l].rooted_at_start,
+            first_bone: bones.of_limb[l].first().copied().unwrap_or(0),
+            bones: bones.of_limb[l].len(),
+            length: path::full_length(&limb.axis),
+            radius: limb.mean_radius(),
+            offset: limb.offset,
+        })
+        .collect()
+}
+
 /// Hangs limbs where their parents are in depth, and pairs on both sides of the middle.
 fn place_in_depth(limbs: &mut [LimbShape], order: &[usize], rig: &Rig, params: &CreatureParams) {
     let depth_of = |limb: &LimbShape| {
@@ -258,6 +314,7 @@ fn place_in_depth(limbs: &mut [LimbShape], order: &[usize], rig: &Rig, params: &
             }
         };
         let limb = &mut limbs[l];
+        limb.offset = offset;
         for (z, base) in limb.z.iter_mut().zip(base) {
             for (i, z) in z.iter_mut().enumerate() {
                 *z += base + offset * path::hip_ramp(limb.axis.share(i as f32));

@@ -15,12 +15,8 @@ const HIP_SHARE: f32 = 0.3;
 /// that leaves the image plane smoothly and has the right length in space. The paper switches at that share; here the
 /// length fades in from 1.3 times the share, so that nothing jumps.
 pub(super) fn bend_out(axis: &Axis, facing: &[f32], foreshortened: f32) -> Vec<Vec<f32>> {
-    let lengths: Vec<f32> = axis.frames.iter().map(|p| polyline::length(&p[axis.first..=axis.last])).collect();
-    let mut sorted = lengths.clone();
-    sorted.sort_by(f32::total_cmp);
-    // Nearly the longest: one mistracked frame must not make a limb long for good.
-    let full = sorted.get((sorted.len() * 19 / 20).min(sorted.len().saturating_sub(1))).copied().unwrap_or(0.0);
-    lengths
+    let full = full_length(axis);
+    lengths(axis)
         .iter()
         .zip(facing)
         .map(|(&length, sign)| {
@@ -30,6 +26,19 @@ pub(super) fn bend_out(axis: &Axis, facing: &[f32], foreshortened: f32) -> Vec<V
             (0..axis.samples()).map(|i| rise * axis.share(i as f32).max(0.0).powi(2)).collect()
         })
         .collect()
+}
+
+/// How long the stroke is in every frame's image.
+fn lengths(axis: &Axis) -> Vec<f32> {
+    axis.frames.iter().map(|p| polyline::length(&p[axis.first..=axis.last])).collect()
+}
+
+/// How long the limb is when it lies in the image plane: nearly the longest that it was, since one mistracked frame
+/// must not make a limb long for good.
+pub(super) fn full_length(axis: &Axis) -> f32 {
+    let mut sorted = lengths(axis);
+    sorted.sort_by(f32::total_cmp);
+    sorted.get((sorted.len() * 19 / 20).min(sorted.len().saturating_sub(1))).copied().unwrap_or(0.0)
 }
 
 /// The height at 1 of the parabola c t^2 over a base of `flat` whose arc has the length `arc`.
