@@ -1,6 +1,7 @@
 //! Creatures. A creature is a textured mesh in parts, one a limb, on bones that move over the clip's frames: linear
 //! blend skinning as glTF 2.0 has it. World coordinates: right-handed, x right, y up, z toward the viewer, 1 unit =
-//! 1 pixel of the clip, origin at the clip's bottom left. Creatures do not change.
+//! 1 pixel of the clip, origin at the clip's bottom left. Creatures do not change. They come from jobs, or from files
+//! (mry_creature_open).
 
 use std::ffi::c_char;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -97,8 +98,8 @@ pub struct mry_creature_info {
     pub bone_count: u32,
     /// How many parts there are.
     pub part_count: u32,
-    /// Zero.
-    pub reserved0: u32,
+    /// How many limbs there are, see mry_creature_get_limb.
+    pub limb_count: u32,
     /// How many frames the animation has.
     pub frame_count: u64,
     /// Frames a second.
@@ -177,7 +178,7 @@ pub unsafe extern "C" fn mry_creature_get_info(
             height: model.size.1,
             bone_count: model.bones.len() as u32,
             part_count: model.parts.len() as u32,
-            reserved0: 0,
+            limb_count: creature.creature.limbs.len() as u32,
             frame_count: model.animation.len() as u64,
             fps: model.fps,
             vertex_count: model.parts.iter().map(|p| p.mesh.positions.len() as u64).sum(),

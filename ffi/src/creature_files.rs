@@ -1,12 +1,15 @@
 //! Creature files. What other programs read: glTF, OBJ, pictures, and the folder with everything. Each appears whole or
-//! not at all. mry_job_start_export writes the same files as a job.
+//! not at all. mry_job_start_export writes the same files as a job. mry_creature_open reads a creature back.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use marey::export::gltf::{self, GltfOptions};
 use marey::export::{CreatureFiles, FolderOptions, overlay, preview, write_aside, write_creature, write_obj_folder};
 use marey::job::{Progress, Stage};
+use marey::motion::Motion;
 
+use crate::border::Out;
 use crate::context::mry_context;
 use crate::creature::{Creature, Origin, mry_creature};
 use crate::error::{Failure, Outcome, mry_error};
@@ -94,6 +97,45 @@ impl Call<'_> {
         written.map_err(|e| Failure::from(e).about(param))?;
         Ok(Code::MRY_OK)
     }
+}
+
+/// The motion in a creature's folder, where it has one that fits; else what the bones make.
+fn motion_beside(path: &Path, creature: &marey::shape::creature::Creature) -> Motion {
+    let file = path.join("motion.json");
+    let kept = if file.is_file() { Motion::read(file).ok() } else { None };
+    let fits = |m: &Motion| m.frames == creature.model.animation.len() && m.size == creature.model.size;
+    kept.filter(fits).unwrap_or_else(|| creature.motion())
+}
+
+/// Reads a creature from a creature.glb, from one that a modelling program wrote of it, or from the folder of a
+/// creature. Such a creature can be posed, driven, drawn, printed and written as glTF and OBJ; it has no masks and no
+/// report, and its motion is that of its bones, or the folder's motion.json. Of files by others: triangles, the first
+/// texture coordinates, four weights a vertex, base colours, the first animation; limbs are known by the names of their
+/// bones (label.0, label.1, ...).
+///
+/// @param context       The context.
+/// @param path          The file or the folder.
+/// @param out_creature  The creature.
+/// @param err           Detail of a failure, or NULL.
+/// @return MRY_OK; MRY_E_NO_FILE, MRY_E_IO, MRY_E_INPUT (damaged, scaled bones, data in other files), MRY_E_LIMIT,
+///         MRY_E_STRING.
+/// Lifetime: until mry_creature_destroy or the end of the context.
+/// Thread: [any-thread]. Since 0.1.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mry_creature_open(
+    context: *mut mry_context,
+    path: mry_str,
+    out_creature: *mut mry_creature,
+    err: *mut mry_error,
+) -> mry_status {
+    entry!(context, err, |call| {
+        let path: &Path = path.name("path")?.as_ref();
+        let out = Out::new(out_creature, "out_creature")?;
+        let creature = gltf::read_creature(path).map_err(|e| Failure::from(e).about("path"))?;
+        let motion = Arc::new(motion_beside(path, &creature));
+        out.set(call.keep_creature(Arc::new(Creature::new(None, motion, creature)))?);
+        Ok(Code::MRY_OK)
+    })
 }
 
 /// Writes the creature as one glTF 2.0 binary: meshes, skin, animation, textures. The file appears whole or not at

@@ -44,7 +44,7 @@ pub(crate) fn side_in(side: i32) -> Outcome<Option<Side>> {
     }
 }
 
-fn side_out(side: Option<Side>) -> i32 {
+pub(crate) fn side_out(side: Option<Side>) -> i32 {
     match side {
         None => MRY_SIDE_UNKNOWN,
         Some(Side::Near) => MRY_SIDE_NEAR,

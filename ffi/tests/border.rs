@@ -486,6 +486,8 @@ const CALLS: &[(&str, Has, Run)] = calls! {
     IdAndOut mry_clip_map_frame(c, i, o, e, p) => [i.clip, 0, o.sized()];
     IdAndOut mry_creature_map_part(c, i, o, e, p) => [i.creature, 0, 1, o.sized()];
     IdAndOut mry_creature_map_texture(c, i, o, e, p) => [i.creature, 0, o.sized()];
+    Out mry_creature_open(c, i, o, e, p) => [str(p), o.at()];
+    IdAndOut mry_creature_get_limb(c, i, o, e, p) => [i.creature, 0, o.at(), 4096, o.at(), o.sized()];
     Id mry_creature_write_glb(c, i, o, e, p) => [i.creature, str(p), 0.0];
     Id mry_creature_write_folder(c, i, o, e, p) => [i.creature, str(p), 0, 0.0];
     Id mry_creature_write_obj(c, i, o, e, p) => [i.creature, str(p)];
@@ -574,7 +576,7 @@ const CALLS: &[(&str, Has, Run)] = calls! {
 };
 
 /// Functions that destroy, and functions without a context.
-const OTHERS: [&str; 66] = [
+const OTHERS: [&str; 67] = [
     "mry_abi_check",
     "mry_allocator_init",
     "mry_bind_desc_init",
@@ -595,6 +597,7 @@ const OTHERS: [&str; 66] = [
     "mry_creature_desc_init",
     "mry_creature_destroy",
     "mry_creature_info_init",
+    "mry_creature_limb_init",
     "mry_deform_desc_init",
     "mry_deformation_destroy",
     "mry_drawing_destroy",

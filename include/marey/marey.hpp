@@ -909,6 +909,20 @@ public:
       return mry_creature_get_part(c(), id_, part, text, capacity, size, nullptr, err);
     });
   }
+  /** A limb's label. */
+  result<std::string> limb_label(std::uint32_t limb) const {
+    return detail::text([&](char *text, std::size_t capacity, std::size_t *size, mry_error *err) {
+      return mry_creature_get_limb(c(), id_, limb, text, capacity, size, nullptr, err);
+    });
+  }
+  /** What a limb is, which bones carry it, and what it hangs from. */
+  result<mry_creature_limb> limb_info(std::uint32_t limb) const {
+    mry_creature_limb info = MRY_CREATURE_LIMB_INIT;
+    std::size_t size = 0;
+    return detail::perform(
+      [&](mry_error *err) { return mry_creature_get_limb(c(), id_, limb, nullptr, 0, &size, &info, err); },
+      [&] { return info; });
+  }
   /** A bone's name. */
   result<std::string> bone_name(std::uint32_t bone) const {
     return detail::text([&](char *text, std::size_t capacity, std::size_t *size, mry_error *err) {
@@ -1621,6 +1635,12 @@ public:
   result<clip> open(std::string_view path, const mry_clip_options *options = nullptr) const {
     return make<clip, mry_clip>([&](mry_clip *id, mry_error *err) {
       return mry_clip_open(get(), detail::str(path), options, id, err);
+    });
+  }
+  /** Opens a creature.glb, one that a modelling program wrote of it, or a creature's folder. */
+  result<creature> open_creature(std::string_view path) const {
+    return make<creature, mry_creature>([&](mry_creature *id, mry_error *err) {
+      return mry_creature_open(get(), detail::str(path), id, err);
     });
   }
   /** An empty rig for a clip of this size. */

@@ -288,9 +288,20 @@ static mry_status use_creature(soak *s) {
   mry_image_view view = MRY_IMAGE_VIEW_INIT;
   mry_motion motion = { 0 };
   mry_masks masks = { 0 };
+  mry_creature_limb limb = MRY_CREATURE_LIMB_INIT;
+  mry_creature read = { 0 };
+  char name[300];
   size_t count = 0;
   mry_status status;
-  switch (below(s, 11)) {
+  switch (below(s, 14)) {
+    case 11:
+      SIZED(mry_creature_limb, &limb);
+      return mry_creature_get_limb(s->context, creature, number(s, 4), out(s), room(s, 1), &count, &limb, ERR);
+    case 12: return mry_creature_write_glb(s->context, creature, place(s, name, ".glb"), (float)real(s), ERR);
+    case 13:
+      status = mry_creature_open(s->context, place(s, name, ".glb"), &read, ERR);
+      keep(s, CREATURE, read.v);
+      return status;
     case 0: SIZED(mry_creature_info, &info); return mry_creature_get_info(s->context, creature, &info, ERR);
     case 1:
       status = mry_creature_get_motion(s->context, creature, &motion, ERR);

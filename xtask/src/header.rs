@@ -14,7 +14,7 @@ use cbindgen::{Builder, Config, DocumentationStyle, EnumConfig, ExportConfig, Fu
 use crate::shell::{root, say};
 
 /// The files of ffi/src in the order a reader meets them.
-const FILES: [&str; 58] = [
+const FILES: [&str; 59] = [
     "version.rs",
     "status.rs",
     "string.rs",
@@ -37,6 +37,7 @@ const FILES: [&str; 58] = [
     "advice.rs",
     "masks.rs",
     "creature.rs",
+    "creature_limb.rs",
     "bones.rs",
     "surface.rs",
     "maps.rs",

@@ -2,6 +2,7 @@
 
 pub mod character;
 pub mod creature;
+pub mod crowd;
 mod rigged_model;
 
 pub use rigged_model::{Bone, RiggedModel, SkinnedPart, Transform};

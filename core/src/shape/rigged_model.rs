@@ -143,12 +143,13 @@ impl RiggedModel {
     /// # Panics
     /// When the model has no such frame.
     pub fn pose(&self, frame: usize) -> Vec<TriMesh> {
-        let skin: Vec<Mat4> = self
-            .world(&self.animation[frame])
-            .into_iter()
-            .zip(self.world(&self.rest))
-            .map(|(now, rest)| now * rest.inverse())
-            .collect();
+        self.pose_at(&self.animation[frame])
+    }
+
+    /// The meshes of all parts with bones at `local`, one transform a bone, in world coordinates.
+    pub fn pose_at(&self, local: &[Transform]) -> Vec<TriMesh> {
+        let skin: Vec<Mat4> =
+            self.world(local).into_iter().zip(self.world(&self.rest)).map(|(now, rest)| now * rest.inverse()).collect();
         self.parts
             .iter()
             .map(|part| {

@@ -88,7 +88,7 @@ impl Reader {
         world
     }
 
-    /// Positions of every mesh at `time`, by name.
+    /// Positions of every mesh at `time`, by its node's name.
     pub(crate) fn pose(&self, time: f32) -> HashMap<String, Vec<Vec3>> {
         let world = self.world(time);
         let mut posed = HashMap::new();
@@ -124,7 +124,7 @@ impl Reader {
                 assert!((sum - 1.0).abs() <= 1e-6);
                 joints.iter().zip(weights).map(|(j, w)| skin[usize::from(*j)].transform_point3(*p) * w).sum()
             });
-            posed.insert(mesh.name().expect("a name").to_owned(), moved.collect());
+            posed.insert(node.name().expect("a name").to_owned(), moved.collect());
         }
         posed
     }

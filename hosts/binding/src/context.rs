@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::sys::{self, Handle};
-use crate::{Clip, CreatureOptions, Job, Motion, Result, Rig, SegmentOptions, TrackOptions};
+use crate::{Clip, Creature, CreatureOptions, Job, Motion, Result, Rig, SegmentOptions, TrackOptions};
 
 /// Owns the worker threads. Clones are the same context; it ends with its last object.
 #[derive(Clone, Debug)]
@@ -23,6 +23,11 @@ impl Context {
     /// Opens a video file or a folder of numbered images.
     pub fn open_clip(&self, path: &str) -> Result<Clip> {
         Ok(Clip { id: sys::clip_open(&self.0, path)?, context: self.clone() })
+    }
+
+    /// Opens a creature.glb, one that a modelling program wrote of it, or a creature's folder.
+    pub fn open_creature(&self, path: &str) -> Result<Creature> {
+        Ok(Creature { id: sys::creature_open(&self.0, path)?, context: self.clone() })
     }
 
     /// An empty rig for a clip of this size.

@@ -16,7 +16,9 @@ pub struct Creature {
 pub struct CreatureInfo {
     /// Bones.
     pub bones: u32,
-    /// Parts, one a limb.
+    /// Limbs that are known.
+    pub limbs: u32,
+    /// Parts of its surface.
     pub parts: u32,
     /// Frames of the animation.
     pub frames: u64,
@@ -26,17 +28,35 @@ pub struct CreatureInfo {
     pub triangles: u64,
 }
 
+/// A limb of a creature.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CreatureLimb {
+    /// The user's name for it.
+    pub label: String,
+    /// Its length in the image plane, in pixels of the clip.
+    pub length: f32,
+    /// Its mean radius, in pixels of the clip.
+    pub radius: f32,
+}
+
 impl Creature {
     /// How much it is made of.
     pub fn info(&self) -> Result<CreatureInfo> {
         let info = sys::creature_info(&self.context.0, self.id)?;
         Ok(CreatureInfo {
             bones: info.bone_count,
+            limbs: info.limb_count,
             parts: info.part_count,
             frames: info.frame_count,
             vertices: info.vertex_count,
             triangles: info.triangle_count,
         })
+    }
+
+    /// A limb's label and how long and thick it is.
+    pub fn limb(&self, limb: u32) -> Result<CreatureLimb> {
+        let (label, info) = sys::creature_limb(&self.context.0, self.id, limb)?;
+        Ok(CreatureLimb { label, length: info.length, radius: info.radius })
     }
 
     /// The motion that drives it.

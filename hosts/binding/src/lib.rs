@@ -42,7 +42,7 @@ pub use character::{
 pub use clip::{Clip, ClipInfo};
 pub use context::Context;
 pub use control_points::ControlPoints;
-pub use creature::{Creature, CreatureInfo};
+pub use creature::{Creature, CreatureInfo, CreatureLimb};
 pub use deformation::{Deformation, Handle};
 pub use drawing::{Drawing, DrawingInfo, DrawingStroke, PenSample};
 pub use error::{Error, Result, Status};

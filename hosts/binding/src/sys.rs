@@ -443,6 +443,20 @@ pub(crate) fn creature_masks(handle: &Handle, creature: mry_creature) -> Result<
     Ok(masks)
 }
 
+pub(crate) fn creature_open(handle: &Handle, path: &str) -> Result<mry_creature> {
+    let mut creature = mry_creature::default();
+    call!(mry_creature_open(handle, str(path), &mut creature))?;
+    Ok(creature)
+}
+
+pub(crate) fn creature_limb(handle: &Handle, creature: mry_creature, limb: u32) -> Result<(String, mry_creature_limb)> {
+    let mut info = sized!(mry_creature_limb_init, mry_creature_limb);
+    let label = sized_text(|text, capacity, size| {
+        call!(mry_creature_get_limb(handle, creature, limb, text, capacity, size, &mut info))
+    })?;
+    Ok((label, info))
+}
+
 pub(crate) fn creature_write_glb(handle: &Handle, creature: mry_creature, path: &str, scale: f32) -> Result<()> {
     call!(mry_creature_write_glb(handle, creature, str(path), scale)).map(drop)
 }

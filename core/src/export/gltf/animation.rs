@@ -14,28 +14,32 @@ use gltf_json::validation::Checked;
 use gltf_json::{Index, Root};
 
 use super::buffer::Buffer;
-use crate::shape::RiggedModel;
+use crate::shape::Transform;
 
 /// Values closer than this are the same: far below what a 16-bit texture or a screen could show.
 const SAME_ROTATION: f32 = 1e-6;
 const SAME_TRANSLATION: f32 = 1e-5;
 
-/// Adds the model's animation; `nodes` are its bones' nodes.
-pub(super) fn add(root: &mut Root, buffer: &mut Buffer, model: &RiggedModel, scale: f32, nodes: &[Index<Node>]) {
-    let mut writer = Writer::new(root, buffer, model.fps);
+/// Adds channels for bones with these nodes: from `rest` through `poses`, one a frame.
+pub(super) fn add(
+    writer: &mut Writer<'_>,
+    rest: &[Transform],
+    poses: &[Vec<Transform>],
+    scale: f32,
+    nodes: &[Index<Node>],
+) {
     for (bone, &node) in nodes.iter().enumerate() {
-        let rest = &model.rest[bone];
-        let rotations = continuous(rest.rotation.normalize(), model.animation.iter().map(|f| f[bone].rotation));
+        let rest = &rest[bone];
+        let rotations = continuous(rest.rotation.normalize(), poses.iter().map(|f| f[bone].rotation));
         let near = |a: &[f32; 4], b: &[f32; 4]| a.iter().zip(b).all(|(a, b)| (a - b).abs() <= SAME_ROTATION);
         writer.all(node, Property::Rotation, Type::Vec4, &rotations, rest.rotation.normalize().to_array(), near);
 
         let scaled = |t: Vec3| (t * scale).to_array();
-        let translations: Vec<[f32; 3]> = model.animation.iter().map(|f| scaled(f[bone].translation)).collect();
+        let translations: Vec<[f32; 3]> = poses.iter().map(|f| scaled(f[bone].translation)).collect();
         let near =
             move |a: &[f32; 3], b: &[f32; 3]| a.iter().zip(b).all(|(a, b)| (a - b).abs() <= SAME_TRANSLATION * scale);
         writer.all(node, Property::Translation, Type::Vec3, &translations, scaled(rest.translation), near);
     }
-    writer.finish("motion");
 }
 
 /// Unit quaternions, each on the side of the one before it, the first on that of `start`.

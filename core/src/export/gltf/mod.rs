@@ -7,7 +7,12 @@
 
 pub(super) mod animation;
 pub(super) mod buffer;
+mod crowd;
+mod reading;
 mod skin;
+
+pub use crowd::crowd_glb;
+pub use reading::{parse_creature, read_creature};
 
 use std::collections::BTreeMap;
 
@@ -52,72 +57,128 @@ impl Default for GltfOptions {
 /// 4 GiB, or a cancel.
 pub fn glb(creature: &Creature, options: &GltfOptions, stage: Stage<'_>) -> Result<Vec<u8>> {
     creature.validate()?;
+    let mut file = File::new(options)?;
     let model = &creature.model;
-    let scale = options.scale;
-    if !(scale.is_finite() && scale > 0.0) {
-        return Err(Error::invalid("scale", format!("is {scale}"), "give metres a pixel, above 0"));
-    }
-    let textures: Vec<Vec<u8>> = model
-        .parts
-        .par_iter()
-        .map(|part| {
-            stage.at(0.0)?;
-            encode_rgb(&part.texture)
-        })
-        .collect::<Result<_>>()?;
-    stage.at(0.6)?;
-
-    let mut root = Root::default();
-    let mut buffer = Buffer::default();
-    root.asset.generator = Some(concat!("marey ", env!("CARGO_PKG_VERSION")).into());
-
-    let armature = root.push(Node { name: Some("creature".into()), ..Node::default() });
-    let bones = add_bones(&mut root, model, scale, armature);
-    let matrices = buffer.floats(&mut root, &skin::inverse_bind_matrices(model, scale), Type::Mat4, None, false);
-    let skin = root.push(Skin {
-        extensions: None,
-        extras: None,
-        inverse_bind_matrices: Some(matrices),
-        joints: bones.clone(),
-        name: Some("creature".into()),
-        skeleton: Some(armature),
-    });
-
-    let wrap = root.push(Sampler {
-        mag_filter: Some(Checked::Valid(MagFilter::Linear)),
-        min_filter: Some(Checked::Valid(MinFilter::LinearMipmapLinear)),
-        // Around a limb the texture closes; along it, it ends.
-        wrap_s: Checked::Valid(WrappingMode::Repeat),
-        wrap_t: Checked::Valid(WrappingMode::ClampToEdge),
-        ..Sampler::default()
-    });
-    let mut scene = vec![armature];
-    for (part, texture) in model.parts.iter().zip(&textures) {
-        // The format knows no empty accessor.
-        if part.mesh.triangles.is_empty() {
-            continue;
-        }
-        let material = add_material(&mut root, &mut buffer, &part.name, texture, wrap, options.unlit);
-        let mesh = add_mesh(&mut root, &mut buffer, part, scale, bones.len(), material);
-        let node = Node { name: Some(part.name.clone()), mesh: Some(mesh), skin: Some(skin), ..Node::default() };
-        scene.push(root.push(node));
-    }
-    animation::add(&mut root, &mut buffer, model, scale, &bones);
+    let looks = file.add_looks(model, stage.part(0.0, 0.6))?;
+    let armature = file.root.push(Node { name: Some("creature".into()), ..Node::default() });
+    let instance = file.add_instance(model, &looks, armature, "");
+    let mut writer = animation::Writer::new(&mut file.root, &mut file.buffer, model.fps);
+    animation::add(&mut writer, &model.rest, &model.animation, file.scale, &instance.bones);
+    writer.finish("motion");
     stage.at(0.9)?;
-
-    let scene = Scene { extensions: None, extras: extras(creature, scale)?, name: Some("creature".into()), nodes: scene };
-    root.scene = Some(root.push(scene));
-    pack(&mut root, buffer)
+    let nodes = std::iter::once(armature).chain(instance.surfaces).collect();
+    file.finish("creature", nodes, extras(creature, options.scale)?)
 }
 
-fn add_bones(root: &mut Root, model: &RiggedModel, scale: f32, armature: Index<Node>) -> Vec<Index<Node>> {
+/// A file in the making.
+struct File {
+    root: Root,
+    buffer: Buffer,
+    scale: f32,
+    unlit: bool,
+    sampler: Index<Sampler>,
+}
+
+/// What all instances of a model share.
+struct Looks {
+    inverse_bind_matrices: Index<gltf_json::Accessor>,
+    /// Name and mesh of each part that has triangles.
+    meshes: Vec<(String, Index<Mesh>)>,
+}
+
+/// The nodes of one instance of a model.
+struct Instanced {
+    bones: Vec<Index<Node>>,
+    surfaces: Vec<Index<Node>>,
+}
+
+impl File {
+    fn new(options: &GltfOptions) -> Result<Self> {
+        let scale = options.scale;
+        if !(scale.is_finite() && scale > 0.0) {
+            return Err(Error::invalid("scale", format!("is {scale}"), "give metres a pixel, above 0"));
+        }
+        let mut root = Root::default();
+        root.asset.generator = Some(concat!("marey ", env!("CARGO_PKG_VERSION")).into());
+        let sampler = root.push(Sampler {
+            mag_filter: Some(Checked::Valid(MagFilter::Linear)),
+            min_filter: Some(Checked::Valid(MinFilter::LinearMipmapLinear)),
+            // Around a limb the texture closes; along it, it ends.
+            wrap_s: Checked::Valid(WrappingMode::Repeat),
+            wrap_t: Checked::Valid(WrappingMode::ClampToEdge),
+            ..Sampler::default()
+        });
+        Ok(Self { root, buffer: Buffer::default(), scale, unlit: options.unlit, sampler })
+    }
+
+    /// Adds the meshes and textures of a model.
+    fn add_looks(&mut self, model: &RiggedModel, stage: Stage<'_>) -> Result<Looks> {
+        let textures: Vec<Vec<u8>> = model
+            .parts
+            .par_iter()
+            .map(|part| {
+                stage.at(0.0)?;
+                encode_rgb(&part.texture)
+            })
+            .collect::<Result<_>>()?;
+        stage.at(1.0)?;
+        let matrices = skin::inverse_bind_matrices(model, self.scale);
+        let inverse_bind_matrices = self.buffer.floats(&mut self.root, &matrices, Type::Mat4, None, false);
+        let mut meshes = Vec::with_capacity(model.parts.len());
+        for (part, texture) in model.parts.iter().zip(&textures) {
+            // The format knows no empty accessor.
+            if part.mesh.triangles.is_empty() {
+                continue;
+            }
+            let (root, buffer) = (&mut self.root, &mut self.buffer);
+            let material = add_material(root, buffer, &part.name, texture, self.sampler, self.unlit);
+            let mesh = add_mesh(root, buffer, part, self.scale, model.bones.len(), material);
+            meshes.push((part.name.clone(), mesh));
+        }
+        Ok(Looks { inverse_bind_matrices, meshes })
+    }
+
+    /// Adds bones below `armature` and the surfaces that they hold; `suffix` tells the instance's nodes from others'.
+    fn add_instance(&mut self, model: &RiggedModel, looks: &Looks, armature: Index<Node>, suffix: &str) -> Instanced {
+        let bones = add_bones(&mut self.root, model, self.scale, armature, suffix);
+        let name = self.root.nodes[armature.value()].name.clone();
+        let skin = self.root.push(Skin {
+            extensions: None,
+            extras: None,
+            inverse_bind_matrices: Some(looks.inverse_bind_matrices),
+            joints: bones.clone(),
+            name,
+            skeleton: Some(armature),
+        });
+        let surface = |(name, mesh): &(String, Index<Mesh>)| {
+            let (name, mesh) = (Some(format!("{name}{suffix}")), Some(*mesh));
+            self.root.push(Node { name, mesh, skin: Some(skin), ..Node::default() })
+        };
+        Instanced { bones, surfaces: looks.meshes.iter().map(surface).collect() }
+    }
+
+    /// The whole file, with these nodes in its scene.
+    fn finish(mut self, name: &str, nodes: Vec<Index<Node>>, extras: gltf_json::Extras) -> Result<Vec<u8>> {
+        let scene = Scene { extensions: None, extras, name: Some(name.into()), nodes };
+        self.root.scene = Some(self.root.push(scene));
+        pack(&mut self.root, self.buffer)
+    }
+}
+
+fn add_bones(
+    root: &mut Root,
+    model: &RiggedModel,
+    scale: f32,
+    armature: Index<Node>,
+    suffix: &str,
+) -> Vec<Index<Node>> {
     let bones: Vec<Index<Node>> = model
         .bones
         .iter()
         .zip(&model.rest)
         .map(|(bone, rest)| {
             root.push(Node {
-                name: Some(bone.name.clone()),
+                name: Some(format!("{}{suffix}", bone.name)),
                 rotation: Some(UnitQuaternion(rest.rotation.normalize().to_array())),
                 translation: Some((rest.translation * scale).to_array()),
                 ..Node::default()

@@ -12,7 +12,7 @@ use glam::{Vec2, vec2, vec3};
 use rayon::prelude::*;
 
 use super::limb::LimbShape;
-use super::tube::{orient_outward, smooth_normals};
+use super::tube::orient_outward;
 use crate::error::Result;
 use crate::geometry::TriMesh;
 use crate::job::Stage;
@@ -423,7 +423,7 @@ fn mesh_of(limb: &LimbShape, rest: usize, normals: &[Vec2], lattice: &Lattice) -
         return None;
     }
     orient_outward(&mut out.mesh);
-    out.mesh.normals = smooth_normals(&out.mesh);
+    out.mesh.normals = out.mesh.smooth_normals();
     out.bounds = [lo.x, lo.y, hi.x, hi.y];
     Some(out)
 }

@@ -37,7 +37,7 @@ use crate::segment::{label_limbs_by_depth, limb_sides};
 const PAPER_SIZE: f32 = 512.0;
 
 /// A reconstructed creature.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Creature {
     /// Textured meshes on animated bones.
     pub model: RiggedModel,

@@ -33,9 +33,7 @@ impl Creature {
                 })
                 .collect(),
         };
-        let joined = |limb: &CreatureLimb| {
-            limb.parent.map(|p| (self.limbs[p.limb].label.clone(), limb.label.clone()))
-        };
+        let joined = |limb: &CreatureLimb| limb.parent.map(|p| (self.limbs[p.limb].label.clone(), limb.label.clone()));
         Motion {
             size: model.size,
             fps: model.fps,

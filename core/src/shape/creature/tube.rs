@@ -139,7 +139,7 @@ pub(super) fn tube(limb: &LimbShape, frame: usize, around: usize) -> Tube {
         }
     }
     orient_outward(&mut out.mesh);
-    out.mesh.normals = smooth_normals(&out.mesh);
+    out.mesh.normals = out.mesh.smooth_normals();
     out
 }
 
@@ -158,25 +158,4 @@ pub(super) fn orient_outward(mesh: &mut TriMesh) {
     if volume(mesh) < 0.0 {
         mesh.triangles.iter_mut().for_each(|t| t.swap(1, 2));
     }
-}
-
-/// Vertex normals: the mean of the triangles around each place, by area. Vertices at the same place (a seam) share it.
-pub(super) fn smooth_normals(mesh: &TriMesh) -> Vec<Vec3> {
-    let mut by_place: Vec<usize> = (0..mesh.positions.len()).collect();
-    let key = |i: usize| mesh.positions[i].to_array().map(f32::to_bits);
-    by_place.sort_by_key(|&i| key(i));
-    let mut leader = vec![0usize; mesh.positions.len()];
-    for pair in 0..by_place.len() {
-        let i = by_place[pair];
-        leader[i] = if pair > 0 && key(by_place[pair - 1]) == key(i) { leader[by_place[pair - 1]] } else { i };
-    }
-    let mut sum = vec![Vec3::ZERO; mesh.positions.len()];
-    for t in &mesh.triangles {
-        let [a, b, c] = t.map(|i| mesh.positions[i as usize]);
-        let area = (b - a).cross(c - a);
-        for i in t {
-            sum[leader[*i as usize]] += area;
-        }
-    }
-    leader.iter().map(|&l| sum[l].normalize_or(Vec3::Z)).collect()
 }
