@@ -80,6 +80,7 @@
 #define MRY_CORRECTION_INIT { (uint32_t)sizeof(mry_correction), 0, 0, 0.0f, 0 }
 #define MRY_MASKS_INFO_INIT { (uint32_t)sizeof(mry_masks_info), 0, 0, 0, 0 }
 #define MRY_CREATURE_INFO_INIT { (uint32_t)sizeof(mry_creature_info), 0, 0, 0, 0, 0, 0, 0.0, 0, 0 }
+#define MRY_CREATURE_LIMB_INIT { (uint32_t)sizeof(mry_creature_limb), 0, 0, 0, 0, 0, 0, 0, 0.0f, 0.0f, 0.0f, 0 }
 #define MRY_PART_INFO_INIT { (uint32_t)sizeof(mry_part_info), 0, 0, 0, 0, 0 }
 #define MRY_IMAGE_VIEW_INIT { (uint32_t)sizeof(mry_image_view), 0, 0, 0, 0, NULL, { 0 } }
 #define MRY_MESH_VIEW_INIT { (uint32_t)sizeof(mry_mesh_view), 0, 0, 0, NULL, NULL, NULL, NULL, { 0 } }
@@ -714,8 +715,8 @@ typedef struct mry_creature_info {
   uint32_t bone_count;
   /** How many parts there are. */
   uint32_t part_count;
-  /** Zero. */
-  uint32_t reserved0;
+  /** How many limbs there are, see mry_creature_get_limb. */
+  uint32_t limb_count;
   /** How many frames the animation has. */
   uint64_t frame_count;
   /** Frames a second. */
@@ -731,6 +732,34 @@ typedef struct mry_creature {
   /** The id; 0 is no creature. */
   uint64_t v;
 } mry_creature;
+
+/** A limb of a creature. Its bones stand evenly along its stroke, from the end nearer to the root outward. */
+typedef struct mry_creature_limb {
+  /** sizeof(mry_creature_limb). */
+  uint32_t struct_size;
+  /** MRY_SIDE_UNKNOWN, ... */
+  int32_t side;
+  /** The other of the pair, or -1. */
+  int32_t twin;
+  /** The limb it hangs from, or -1 for one that holds a root. */
+  int32_t parent;
+  /** 1 where it hangs from the end of that limb away from the root, 0 where from the start. */
+  uint32_t parent_at_end;
+  /** 1 where its strokes are drawn from the end away from the root. */
+  uint32_t reversed;
+  /** Its first bone; the others follow. */
+  uint32_t first_bone;
+  /** How many bones it has. */
+  uint32_t bone_count;
+  /** Its length when it lies in the image plane, in world units. */
+  float length;
+  /** Its mean radius, in world units. */
+  float radius;
+  /** How far beyond its hip it stands from what it hangs from, in world units toward the viewer. */
+  float offset;
+  /** Zero. */
+  uint32_t reserved0;
+} mry_creature_limb;
 
 /** A bone's place relative to its parent; roots are relative to the world. There is no scale. */
 typedef struct mry_transform {
@@ -3191,7 +3220,8 @@ mry_status mry_masks_get_report(mry_context *context,
  *
  * Creatures. A creature is a textured mesh in parts, one a limb, on bones that move over the clip's frames: linear
  * blend skinning as glTF 2.0 has it. World coordinates: right-handed, x right, y up, z toward the viewer, 1 unit =
- * 1 pixel of the clip, origin at the clip's bottom left. Creatures do not change.
+ * 1 pixel of the clip, origin at the clip's bottom left. Creatures do not change. They come from jobs, or from files
+ * (mry_creature_open).
  * @{
  */
 
@@ -3286,6 +3316,51 @@ mry_status mry_creature_get_report(mry_context *context,
                                    size_t capacity,
                                    size_t *out_size,
                                    mry_error *err);
+
+/** @} */
+
+/**
+ * @defgroup creature_limb A creature's limbs
+ *
+ * A creature's limbs. Which bones carry which limb, what it hangs from, and what posing goes by. Limbs count from 0, in
+ * the order of the rig; a file that another program wrote may know none.
+ * @{
+ */
+
+/**
+ * Fills in a creature's limb with struct_size set and everything else zero, for languages without the INIT macros.
+ *
+ * @param limb  Where to write; NULL does nothing.
+ * @param size  sizeof(mry_creature_limb) as the caller knows it.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+void mry_creature_limb_init(mry_creature_limb *limb,
+                            uint32_t size);
+
+/**
+ * A limb's label and what it is.
+ *
+ * @param context   The context.
+ * @param creature  The creature.
+ * @param limb      Which, below limb_count.
+ * @param label     Where the label goes, UTF-8 with a NUL; NULL with capacity 0 to ask for the size.
+ * @param capacity  Bytes at label.
+ * @param out_size  Bytes needed, with the NUL.
+ * @param out_limb  The answer, its struct_size set; or NULL.
+ * @param err       Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_ARGUMENT (limb), MRY_E_BUFFER_TOO_SMALL, MRY_E_STRUCT_SIZE.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_creature_get_limb(mry_context *context,
+                                 mry_creature creature,
+                                 uint32_t limb,
+                                 char *label,
+                                 size_t capacity,
+                                 size_t *out_size,
+                                 mry_creature_limb *out_limb,
+                                 mry_error *err);
 
 /** @} */
 
@@ -3588,9 +3663,31 @@ MRY_API mry_status mry_unmap(mry_context *context, mry_map map);
  * @defgroup creature_files Creature files
  *
  * Creature files. What other programs read: glTF, OBJ, pictures, and the folder with everything. Each appears whole or
- * not at all. mry_job_start_export writes the same files as a job.
+ * not at all. mry_job_start_export writes the same files as a job. mry_creature_open reads a creature back.
  * @{
  */
+
+/**
+ * Reads a creature from a creature.glb, from one that a modelling program wrote of it, or from the folder of a
+ * creature. Such a creature can be posed, driven, drawn, printed and written as glTF and OBJ; it has no masks and no
+ * report, and its motion is that of its bones, or the folder's motion.json. Of files by others: triangles, the first
+ * texture coordinates, four weights a vertex, base colours, the first animation; limbs are known by the names of their
+ * bones (label.0, label.1, ...).
+ *
+ * @param context       The context.
+ * @param path          The file or the folder.
+ * @param out_creature  The creature.
+ * @param err           Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_NO_FILE, MRY_E_IO, MRY_E_INPUT (damaged, scaled bones, data in other files), MRY_E_LIMIT,
+ *         MRY_E_STRING.
+ * Lifetime: until mry_creature_destroy or the end of the context.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_creature_open(mry_context *context,
+                             mry_str path,
+                             mry_creature *out_creature,
+                             mry_error *err);
 
 /**
  * Writes the creature as one glTF 2.0 binary: meshes, skin, animation, textures. The file appears whole or not at
