@@ -59,8 +59,10 @@ fn a_creature_comes_back_as_it_was() {
         assert_eq!((&a.name, &a.texture, &a.mesh.uvs), (&b.name, &b.texture, &b.mesh.uvs));
     }
     assert_same_poses(one, other, 1e-3);
-    // Written again it is the same file: nothing creeps.
-    assert_eq!(write(&read, 1.0), write(&parse_creature(&write(&read, 1.0)).expect("a creature"), 1.0));
+    // Written and read again and again, nothing creeps.
+    let again = (0..20).fold(read, |c, _| parse_creature(&write(&c, 1.0)).expect("a creature"));
+    assert_same_poses(&again.model, &written.model, 1e-3);
+    assert_eq!(again.limbs, written.limbs);
 }
 
 #[test]
@@ -102,9 +104,7 @@ fn limbs_are_known_by_their_bones_where_nothing_else_says_them() {
     add_island(&mut with_tail.model);
     let bare = rewritten(&write(&with_tail, 1.0), |v| {
         v["scenes"][0].as_object_mut().expect("a scene").remove("extras");
-        // And the joints in another order.
-        let skin = v["skins"][0].as_object_mut().expect("a skin");
-        skin.remove("inverseBindMatrices");
+        // And the joints in another order, so that each stands for another of the matrices: only names count here.
         v["skins"][0]["joints"].as_array_mut().expect("joints").reverse();
         for mesh in v["meshes"].as_array_mut().expect("meshes") {
             mesh["primitives"][0]["attributes"].as_object_mut().expect("lists").remove("NORMAL");
@@ -123,7 +123,6 @@ fn limbs_are_known_by_their_bones_where_nothing_else_says_them() {
         assert_eq!(names[0], format!("{}.0", limb.label));
         assert_eq!(names.len(), 6);
     }
-    assert!((limb("body").length - 70.0).abs() < 1e-3);
     assert_eq!((read.model.animation.len(), read.model.fps.round()), (6, 12.0));
 }
 

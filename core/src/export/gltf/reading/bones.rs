@@ -243,9 +243,19 @@ fn sequence(
         }
     }
     let mut order = Vec::with_capacity(wanted.len());
-    while let Some(Reverse((_, node))) = ready.pop() {
-        order.push(node);
-        ready.extend(below.remove(&node).into_iter().flatten().map(|n| Reverse((key(n), n))));
+    while let Some(Reverse((_, first))) = ready.pop() {
+        let mut chain = Some(first);
+        while let Some(node) = chain.take() {
+            order.push(node);
+            let next = limb_of(node).map(|(limb, number)| (limb, number.wrapping_add(1)));
+            for child in below.remove(&node).into_iter().flatten() {
+                if chain.is_none() && next.is_some() && limb_of(child) == next {
+                    chain = Some(child);
+                } else {
+                    ready.push(Reverse((key(child), child)));
+                }
+            }
+        }
     }
     order
 }
