@@ -1,6 +1,7 @@
 //! The project's chores. `cargo xtask` lists them.
 
 mod abi;
+mod blender;
 mod c_host;
 mod cancels;
 mod check;
@@ -44,6 +45,7 @@ cargo xtask COMMAND
                      (fetches them and a browser)
   gallery            the pictures of docs/sketches.md, made anew by the commands it gives (release build)
   validate GLB ...   the Khronos glTF validator on files
+  blender GLB ...    files imported, played and exported again by Blender, and compared (fetches it)
 ";
 
 fn main() -> Result<()> {
@@ -70,6 +72,7 @@ fn main() -> Result<()> {
         "players" => players::run(rest),
         "gallery" => gallery::gallery(),
         "validate" => validator::run(rest),
+        "blender" => blender::run(rest),
         "help" | "--help" | "-h" => {
             shell::say(HELP);
             Ok(())
