@@ -3,8 +3,8 @@
     python round_trip.py OUT FILE.glb ...
 
 Each file is imported, played and exported again; both files are then posed by the format's own rules, here, and every
-vertex of one looked for in the other. Prints one line a file; ends with 1 where a vertex is further than a thousandth of
-a unit per hundred units of the model's size.
+vertex of one looked for in the other. Prints one line a file; ends with 1 where a vertex is further away than a ten
+thousandth of the model's size: Blender computes in single precision, and creatures stand hundreds of units from 0.
 """
 
 import json
@@ -125,7 +125,7 @@ def main():
             for name, places in poses[0].items():
                 worst = max(worst, cKDTree(poses[1][name]).query(places)[0].max())
                 size = max(size, np.ptp(places, axis=0).max())
-        failed |= worst > 1e-5 * size
+        failed |= worst > 1e-4 * size
         print(f"{path}: {clip['frames']} frames, {size:.0f} units long, comes back within {worst:.5f}")
     sys.exit(int(failed))
 
