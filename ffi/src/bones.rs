@@ -25,7 +25,7 @@ pub struct mry_transform {
     pub rotation: [f32; 4],
 }
 
-fn transforms_out(transforms: &[Transform]) -> Vec<mry_transform> {
+pub(crate) fn transforms_out(transforms: &[Transform]) -> Vec<mry_transform> {
     let out = |t: &Transform| mry_transform { translation: t.translation.into(), rotation: t.rotation.into() };
     transforms.iter().map(out).collect()
 }

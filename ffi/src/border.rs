@@ -218,6 +218,12 @@ impl<T: Copy> List<T> {
         unsafe { Ok(Self { buffer: Buffer::new(ptr, capacity, param)?, out_count: Out::new(out_count, "out_count")? }) }
     }
 
+    /// Writes the count, and refuses when so many values do not fit: before work that would be for nothing.
+    pub(crate) fn fits(&self, count: usize) -> Outcome<()> {
+        self.out_count.set(count);
+        self.buffer.fits(count)
+    }
+
     /// Writes `values` when they fit, and their count either way.
     pub(crate) fn fill(&self, values: &[T]) -> Outcome<Code> {
         self.out_count.set(values.len());

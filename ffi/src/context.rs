@@ -26,6 +26,7 @@ use crate::character::CharacterTable;
 use crate::clip::ClipTable;
 use crate::control_points::ControlPointsTable;
 use crate::creature::CreatureTable;
+use crate::crowd::CrowdTable;
 use crate::deforming::DeformationTable;
 use crate::error::{Failure, mry_error};
 use crate::executor::{Executor, MAX_THREADS};
@@ -40,6 +41,8 @@ use crate::plugins::Plugins;
 use crate::point_tracking::Footages;
 use crate::poses::PosesTable;
 use crate::posing::PoserTable;
+use crate::printing::SolidTable;
+use crate::rendering::Renderers;
 use crate::rig::RigTable;
 use crate::session::SessionTable;
 use crate::sketch_take::SketchTakeTable;
@@ -136,8 +139,11 @@ pub(crate) struct Context {
     pub(crate) drawings: DrawingTable,
     pub(crate) bindings: BindingTable,
     pub(crate) sketch_takes: SketchTakeTable,
+    pub(crate) crowds: CrowdTable,
+    pub(crate) solids: SolidTable,
     pub(crate) footages: Footages,
     pub(crate) plugins: Plugins,
+    pub(crate) renderers: Renderers,
     pub(crate) limits: Limits,
     memory: Option<Arc<dyn FrameMemory>>,
     log: Arc<LogSink>,
@@ -183,6 +189,8 @@ impl Context {
         self.drawings.poison(id);
         self.bindings.poison(id);
         self.sketch_takes.poison(id);
+        self.crowds.poison(id);
+        self.solids.poison(id);
     }
 
     /// Refuses calls that wait for the context's threads from inside a callback.
@@ -271,7 +279,10 @@ pub unsafe extern "C" fn mry_context_create(
             drawings: Table::new(16, tag, most),
             bindings: Table::new(17, tag, most),
             sketch_takes: Table::new(18, tag, most),
+            crowds: Table::new(19, tag, most),
+            solids: Table::new(20, tag, most),
             plugins: Plugins::default(),
+            renderers: Renderers::default(),
             limits,
             memory,
             log: Arc::new(LogSink { sink: desc.log, user: desc.log_user, inside: AtomicU32::new(0) }),

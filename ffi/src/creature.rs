@@ -4,7 +4,7 @@
 //! (mry_creature_open).
 
 use std::ffi::c_char;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use marey::clip::Clip;
 use marey::geometry::TriMesh;
@@ -34,18 +34,30 @@ pub(crate) struct Creature {
     /// None for one that was opened from a file.
     pub(crate) origin: Option<Origin>,
     pub(crate) motion: Arc<Motion>,
-    pub(crate) creature: creature::Creature,
+    pub(crate) creature: Arc<creature::Creature>,
     /// The frame that was posed last: a host reads all parts of one frame in turn.
     posed: Mutex<Option<(usize, Arc<Vec<TriMesh>>)>>,
+    /// The model made ready for drawing, once it was drawn.
+    drawable: OnceLock<marey_render::Model>,
 }
 
 impl Creature {
     pub(crate) fn new(origin: Option<Origin>, motion: Arc<Motion>, creature: creature::Creature) -> Self {
-        Self { origin, motion, creature, posed: Mutex::new(None) }
+        let creature = Arc::new(creature);
+        Self { origin, motion, creature, posed: Mutex::new(None), drawable: OnceLock::new() }
     }
 
     pub(crate) fn model(&self) -> &RiggedModel {
         &self.creature.model
+    }
+
+    /// The model made ready for drawing.
+    pub(crate) fn drawable(&self) -> marey::Result<marey_render::Model> {
+        if let Some(drawable) = self.drawable.get() {
+            return Ok(drawable.clone());
+        }
+        let drawable = marey_render::Model::new(self.model().clone())?;
+        Ok(self.drawable.get_or_init(|| drawable).clone())
     }
 
     /// What it was reconstructed from.

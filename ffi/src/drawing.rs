@@ -15,7 +15,7 @@ use crate::paint::{foreground_in, radius_in};
 use crate::session::mry_session;
 use crate::status::{mry_status, mry_status_code as Code};
 use crate::string::mry_str;
-use crate::stroke::{facing_in, mry_point, points_in};
+use crate::stroke::{depth_in, facing_in, mry_point, points_in};
 
 impl Call<'_> {
     /// Draws in a session.
@@ -143,6 +143,39 @@ pub unsafe extern "C" fn mry_session_set_stroke(
         call.draw(session, |session| {
             let limb = index_of(session, limb)?;
             session.set_stroke(limb, frame, points, facing).map_err(|e| Failure::from(e).about("points"))
+        })
+    })
+}
+
+/// Says where a limb is in depth on a frame, or takes back what was said: see mry_rig_set_depth.
+///
+/// @param context  The context.
+/// @param session  The session.
+/// @param limb     Its index.
+/// @param frame    The frame, counted from 0.
+/// @param said     MRY_SAID_DEPTH and MRY_SAID_BEND, or 0 to take back what was said.
+/// @param depth    How far its free part stands from where it would, in clip pixels toward the viewer.
+/// @param bend     How far its free end stands from where it is held, in clip pixels toward the viewer.
+/// @param err      Detail of a failure, or NULL.
+/// @return MRY_OK; MRY_E_INPUT (too far from the image plane, or the session is read-only), MRY_E_ARGUMENT (limb, frame,
+///         said), MRY_E_NON_FINITE, MRY_E_IO, MRY_E_BUSY.
+/// Thread: [any-thread]. Since 0.1.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mry_session_set_depth(
+    context: *mut mry_context,
+    session: mry_session,
+    limb: u32,
+    frame: u64,
+    said: u32,
+    depth: f32,
+    bend: f32,
+    err: *mut mry_error,
+) -> mry_status {
+    entry!(context, err, |call| {
+        let (mark, frame) = (depth_in(said, depth, bend)?, frame_in(frame)?);
+        call.draw(session, |session| {
+            let limb = index_of(session, limb)?;
+            session.set_depth(limb, frame, mark).map_err(|e| Failure::from(e).about("depth"))
         })
     })
 }

@@ -20,6 +20,7 @@ use crate::error::{copy_text, mry_error};
 use crate::guard::{ending, entry};
 use crate::masks::mry_masks;
 use crate::motion::mry_motion;
+use crate::printing::mry_solid;
 use crate::running::Job;
 use crate::sketch_take::mry_sketch_take;
 use crate::status::{mry_status, mry_status_code as Code};
@@ -313,7 +314,29 @@ pub unsafe extern "C" fn mry_job_take_sketch_take(
     })
 }
 
-/// What a bind, sketch take, take file or sketch file job says of its work, as JSON: the files, warnings, how far points are to be
+/// Takes the solid that a print job made; once.
+///
+/// @param context    The context.
+/// @param job        The job.
+/// @param out_solid  The solid.
+/// @param err        Detail of the job's or the call's failure, or NULL.
+/// @return MRY_OK; MRY_PENDING and MRY_CANCELLED (no output), the error the job ended with, MRY_E_TAKEN, MRY_E_KIND.
+/// Lifetime: until mry_solid_destroy or the end of the context; the job may go before.
+/// Thread: [any-thread]. Since 0.1.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mry_job_take_solid(
+    context: *mut mry_context,
+    job: mry_job,
+    out_solid: *mut mry_solid,
+    err: *mut mry_error,
+) -> mry_status {
+    entry!(context, err, |call| {
+        let out = Out::new(out_solid, "out_solid")?;
+        call.job(job)?.take(|p| &mut p.solid, |solid| call.keep_solid(solid).map(|id| out.set(id)))
+    })
+}
+
+/// What a bind, sketch take, print, take file or sketch file job says of its work, as JSON: the files, warnings, how far points are to be
 /// trusted. It can be asked for again.
 ///
 /// @param context   The context.

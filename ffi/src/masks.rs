@@ -56,7 +56,7 @@ unsafe impl Versioned for mry_masks_info {
 const _: () = assert!(size_of::<mry_masks_info>() == 24);
 
 impl Call<'_> {
-    fn masks(&self, masks: mry_masks) -> Outcome<Arc<MaskSet>> {
+    pub(crate) fn masks(&self, masks: mry_masks) -> Outcome<Arc<MaskSet>> {
         Ok(self.get(&self.context.masks, masks.v, "masks")?.value.clone())
     }
 

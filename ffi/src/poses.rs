@@ -49,6 +49,11 @@ pub const MRY_EASING_HOLD: i32 = 4;
 
 const EASINGS: [Easing; 5] = [Easing::Linear, Easing::In, Easing::Out, Easing::InOut, Easing::Hold];
 
+pub(crate) fn easing_in(easing: i32) -> Outcome<Easing> {
+    let no = || Failure::argument("easing", format!("easing is {easing}, which is no MRY_EASING"));
+    usize::try_from(easing).ok().and_then(|e| EASINGS.get(e)).copied().ok_or_else(no)
+}
+
 /// What poses are.
 #[repr(C)]
 #[derive(Clone, Copy)]
@@ -341,8 +346,7 @@ pub unsafe extern "C" fn mry_poses_set_key(
         let joints =
             points_in(border::slice(joints, joint_count, MOST_JOINTS, "joints")?).map_err(|e| e.about("joints"))?;
         let frame = call.frame_in(frame)?;
-        let no = || Failure::argument("easing", format!("easing is {easing}, which is no MRY_EASING"));
-        let easing = *usize::try_from(easing).ok().and_then(|e| EASINGS.get(e)).ok_or_else(no)?;
+        let easing = easing_in(easing)?;
         let most = call.context.limits.key_frames;
         call.poses_mut(poses, |posed| {
             let count = posed.drawn.character.skeleton.joints.len();

@@ -3,13 +3,14 @@
 use std::sync::Arc;
 
 use marey::pipeline::{self, PipelineOptions};
+use marey::shape::creature::CreatureParams;
 
 use crate::border::{self, Out, Versioned};
 use crate::clip::mry_clip;
 use crate::context::mry_context;
 use crate::creature::{Creature, Origin, mry_creature};
 use crate::creature_files::folder_options;
-use crate::error::{Outcome, mry_error};
+use crate::error::{Failure, Outcome, mry_error};
 use crate::guard::{Call, entry};
 use crate::job::mry_job;
 use crate::masks::MaskSet;
@@ -38,13 +39,19 @@ pub struct mry_creature_desc {
     pub segmenter: mry_str,
     /// Where to write everything, see mry_creature_write_folder; empty for nowhere.
     pub folder: mry_str,
+    /// How deep limbs are toward the viewer for their width: "body=0.8,tail=1.2"; empty for what is usual.
+    pub depths: mry_str,
+    /// How far limbs of a pair stand apart, times what is usual, up to 10; 0 for 1.
+    pub spread: f32,
+    /// Zero.
+    pub reserved0: u32,
 }
 
 // SAFETY: repr(C), starts with its u32 size; integers, and strings that the host vouches for.
 unsafe impl Versioned for mry_creature_desc {
     const FIRST_SIZE: usize = 72;
 }
-const _: () = assert!(size_of::<mry_creature_desc>() == 72);
+const _: () = assert!(size_of::<mry_creature_desc>() == 96);
 
 impl Call<'_> {
     unsafe fn creature_work(&self, desc: *const mry_creature_desc) -> Outcome<Work> {
@@ -55,10 +62,26 @@ impl Call<'_> {
         // SAFETY: as above.
         let (settings, folder) = unsafe { (settings(desc.tracker, desc.segmenter)?, folder(desc.folder)?) };
         let files = folder_options(desc.write_obj, 0.0)?;
+        border::reserved(desc.reserved0)?;
+        let mut shape = CreatureParams::default();
+        if desc.depths.len != 0 {
+            // SAFETY: as above.
+            let depths = unsafe { desc.depths.text("desc.depths")? };
+            shape.depths = CreatureParams::depths_from(depths).map_err(|e| Failure::from(e).about("desc.depths"))?;
+        }
+        if !desc.spread.is_finite() {
+            return Err(Failure::new(Code::MRY_E_NON_FINITE, "desc.spread", format!("desc.spread is {}", desc.spread)));
+        }
+        if !(0.0..=10.0).contains(&desc.spread) {
+            return Err(Failure::argument("desc.spread", format!("desc.spread is {}; give up to 10", desc.spread)));
+        }
+        if desc.spread > 0.0 {
+            shape.spread = desc.spread;
+        }
         let (clip, rig) = self.clip_and_rig(desc.clip, desc.rig)?;
         Ok(Box::new(move |progress| {
             let mut options = PipelineOptions::new(&*tracker, &*segmenter);
-            options.settings = settings;
+            (options.settings, options.creature) = (settings, shape);
             let made = match &folder {
                 None => pipeline::creature(&clip, &rig, &options, progress.whole())?,
                 Some(folder) => {

@@ -8,6 +8,7 @@ use marey::clip::Clip;
 use marey::job::Progress;
 use marey::motion::Motion;
 use marey::shape::sketch::Binding;
+use marey::shape::solid::Solid;
 
 use crate::character::Drawn;
 use crate::context::{MRY_LOG_ERROR, MRY_LOG_INFO};
@@ -43,6 +44,7 @@ pub(crate) struct Product {
     pub(crate) take: Part<Arc<Played>>,
     pub(crate) binding: Part<Binding>,
     pub(crate) sketch_take: Part<Arc<Sketched>>,
+    pub(crate) solid: Part<Arc<Solid>>,
     /// What it says of its work.
     pub(crate) report: Option<String>,
 }

@@ -60,6 +60,8 @@ pub enum mry_status_code {
     MRY_E_IO = -401,
     /// No thread could be started.
     MRY_E_THREADS = -402,
+    /// There is no GPU, or it failed.
+    MRY_E_GPU = -403,
 
     /// There is no plugin of that name, or no file.
     MRY_E_PLUGIN_NOT_FOUND = -501,
@@ -112,7 +114,7 @@ pub enum mry_status_code {
 
 impl mry_status_code {
     /// All codes, for the lookup from a number.
-    const ALL: [Self; 46] = [
+    const ALL: [Self; 47] = [
         Self::MRY_OK,
         Self::MRY_PENDING,
         Self::MRY_CANCELLED,
@@ -136,6 +138,7 @@ impl mry_status_code {
         Self::MRY_E_MEMORY,
         Self::MRY_E_IO,
         Self::MRY_E_THREADS,
+        Self::MRY_E_GPU,
         Self::MRY_E_PLUGIN_NOT_FOUND,
         Self::MRY_E_PLUGIN_UNSTABLE_FILE,
         Self::MRY_E_PLUGIN_TRUNCATED,
@@ -186,6 +189,7 @@ impl mry_status_code {
             Self::MRY_E_MEMORY => c"no memory was lent",
             Self::MRY_E_IO => c"the operating system refused",
             Self::MRY_E_THREADS => c"no thread could be started",
+            Self::MRY_E_GPU => c"there is no GPU, or it failed",
             Self::MRY_E_PLUGIN_NOT_FOUND => c"no such plugin",
             Self::MRY_E_PLUGIN_UNSTABLE_FILE => c"the plugin's file is being written",
             Self::MRY_E_PLUGIN_TRUNCATED => c"the plugin's file is cut off",

@@ -1,7 +1,7 @@
 //! Strokes. A stroke is a limb as it is drawn on one frame, from its start to its end; the frames that are drawn on are
 //! the key frames. Strokes that start or end near another's start or end are joined there.
 
-use marey::rig::{Facing, KeyFrame, Rig, Stroke};
+use marey::rig::{Facing, KeyFrame, LimbDepth, Rig, Stroke};
 
 use crate::border::{self, List, Out};
 use crate::context::mry_context;
@@ -38,6 +38,27 @@ pub const MRY_FACING_TOWARD: i32 = 1;
 /// Facing of a stroke: its end is farther from the viewer than its start.
 pub const MRY_FACING_AWAY: i32 = 2;
 
+/// Said of a limb on a frame: how far its free part stands from where it would, toward the viewer.
+pub const MRY_SAID_DEPTH: u32 = 1;
+/// Said of a limb on a frame: how far its free end stands from where the limb is held, toward the viewer, whatever its
+/// length in the image says.
+pub const MRY_SAID_BEND: u32 = 2;
+
+/// A mark of the bits of `said`; none for none.
+pub(crate) fn depth_in(said: u32, depth: f32, bend: f32) -> Outcome<Option<LimbDepth>> {
+    if said & !(MRY_SAID_DEPTH | MRY_SAID_BEND) != 0 {
+        return Err(Failure::argument("said", format!("said is {said}, which is more than the MRY_SAID bits")));
+    }
+    let of = |bit: u32, value: f32, param: &'static str| match (said & bit != 0, value.is_finite()) {
+        (false, _) => Ok(None),
+        (true, true) => Ok(Some(value)),
+        (true, false) => Err(Failure::new(Code::MRY_E_NON_FINITE, param, format!("{param} is {value}"))),
+    };
+    let mark =
+        LimbDepth { limb: 0, depth: of(MRY_SAID_DEPTH, depth, "depth")?, bend: of(MRY_SAID_BEND, bend, "bend")? };
+    Ok((said != 0).then_some(mark))
+}
+
 pub(crate) fn points_in(points: &[mry_point]) -> Outcome<Vec<marey::Vec2>> {
     let place = |(i, p): (usize, &mry_point)| {
         if p.x.is_finite() && p.y.is_finite() {
@@ -68,7 +89,7 @@ pub(crate) fn key_frame(rig: &mut Rig, frame: u64, most: usize) -> Outcome<&mut 
 
 /// Drops key frames on which nothing is left.
 pub(crate) fn tidy(rig: &mut Rig) {
-    rig.keyframes.retain(|k| !(k.strokes.is_empty() && k.paint.is_empty() && k.mask.is_none()));
+    rig.keyframes.retain(|k| !(k.strokes.is_empty() && k.depths.is_empty() && k.paint.is_empty() && k.mask.is_none()));
 }
 
 pub(crate) fn facing_in(facing: i32) -> Outcome<Option<Facing>> {
@@ -201,6 +222,83 @@ pub unsafe extern "C" fn mry_rig_get_stroke(
             let stroke = stroke.ok_or_else(|| not_drawn(rig, limb, frame))?;
             points.fill(&points_out(&stroke.points))?;
             out_facing.inspect(|out| out.set(facing_out(stroke.facing)));
+            Ok(Code::MRY_OK)
+        })
+    })
+}
+
+/// Says where a limb is in depth on a frame, which becomes a key frame; the limb need not be drawn there. It holds on
+/// that frame and fades toward the limb's key frames around it.
+///
+/// @param context  The context.
+/// @param rig      The rig.
+/// @param limb     Its index.
+/// @param frame    The frame, counted from 0.
+/// @param said     MRY_SAID_DEPTH and MRY_SAID_BEND, or 0 to take back what was said.
+/// @param depth    How far its free part stands from where it would, in clip pixels toward the viewer.
+/// @param bend     How far its free end stands from where it is held, in clip pixels toward the viewer.
+/// @param err      Detail of a failure, or NULL.
+/// @return MRY_OK; MRY_E_ARGUMENT (limb, said), MRY_E_NON_FINITE, MRY_E_LIMIT, MRY_E_BUSY.
+/// Thread: [any-thread]. Since 0.1.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mry_rig_set_depth(
+    context: *mut mry_context,
+    rig: mry_rig,
+    limb: u32,
+    frame: u64,
+    said: u32,
+    depth: f32,
+    bend: f32,
+    err: *mut mry_error,
+) -> mry_status {
+    entry!(context, err, |call| {
+        let mark = depth_in(said, depth, bend)?;
+        call.rig_mut(rig, |rig| {
+            let limb = limb_index(rig, limb)?;
+            let key = key_frame(rig, frame, call.context.limits.key_frames)?;
+            key.depths.retain(|d| d.limb != limb);
+            key.depths.extend(mark.map(|mark| LimbDepth { limb, ..mark }));
+            key.depths.sort_by_key(|d| d.limb);
+            tidy(rig);
+            Ok(Code::MRY_OK)
+        })
+    })
+}
+
+/// Where a limb is said to be in depth on a frame.
+///
+/// @param context    The context.
+/// @param rig        The rig.
+/// @param limb       Its index.
+/// @param frame      The frame.
+/// @param out_said   MRY_SAID_DEPTH and MRY_SAID_BEND; 0 where nothing is said.
+/// @param out_depth  As for mry_rig_set_depth, 0 where it is not said; or NULL.
+/// @param out_bend   As for mry_rig_set_depth, 0 where it is not said; or NULL.
+/// @param err        Detail of a failure, or NULL.
+/// @return MRY_OK; MRY_E_ARGUMENT (limb), MRY_E_BUSY.
+/// Thread: [any-thread]. Since 0.1.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mry_rig_get_depth(
+    context: *mut mry_context,
+    rig: mry_rig,
+    limb: u32,
+    frame: u64,
+    out_said: *mut u32,
+    out_depth: *mut f32,
+    out_bend: *mut f32,
+    err: *mut mry_error,
+) -> mry_status {
+    entry!(context, err, |call| {
+        let out_said = Out::new(out_said, "out_said")?;
+        let outs = (Out::optional(out_depth, "out_depth")?, Out::optional(out_bend, "out_bend")?);
+        call.rig(rig, |rig| {
+            let limb = limb_index(rig, limb)?;
+            let key = rig.keyframes.iter().find(|k| k.frame as u64 == frame);
+            let mark = key.and_then(|k| k.depths.iter().find(|d| d.limb == limb)).copied().unwrap_or_default();
+            let bit = |value: Option<f32>, bit: u32| value.map_or(0, |_| bit);
+            out_said.set(bit(mark.depth, MRY_SAID_DEPTH) | bit(mark.bend, MRY_SAID_BEND));
+            outs.0.inspect(|out| out.set(mark.depth.unwrap_or(0.0)));
+            outs.1.inspect(|out| out.set(mark.bend.unwrap_or(0.0)));
             Ok(Code::MRY_OK)
         })
     })

@@ -31,6 +31,8 @@ struct Ids {
     drawing: mry_drawing,
     binding: mry_binding,
     sketch_take: mry_sketch_take,
+    crowd: mry_crowd,
+    solid: mry_solid,
 }
 
 fn ids(f: &Fixture) -> Ids {
@@ -55,9 +57,12 @@ fn ids(f: &Fixture) -> Ids {
         let (mut paths, loose) = (mry_motion::default(), ids.motion);
         assert_eq!(mry_motion_from_paths(f.context, str(PATHS), &mut paths, &mut err), OK);
         ids.motion = paths;
+        assert_eq!(mry_crowd_create_herd(f.context, ids.creature, 3, 2, &mut ids.crowd, &mut err), OK);
         let status = mry_run_sketch_take(f.context, sketch_take(ids), &mut ids.sketch_take, &mut err);
         assert_eq!(status, OK, "{}", text(&err.message));
         ids.motion = loose;
+        let status = mry_run_print(f.context, print(ids, ""), &mut ids.solid, &mut err);
+        assert_eq!(status, OK, "{}", text(&err.message));
         assert_eq!(mry_control_points_from_json(f.context, str(POINTS), &mut ids.control_points, &mut err), OK);
     }
     ids
@@ -252,6 +257,27 @@ fn take_file(i: Ids, path: &str) -> *const mry_take_file_desc {
     Box::leak(Box::new(desc))
 }
 
+fn texture(i: Ids, path: &str) -> *const mry_texture_desc {
+    let mut desc = unsafe { std::mem::zeroed::<mry_texture_desc>() };
+    unsafe { mry_texture_desc_init(&mut desc, size_of::<mry_texture_desc>() as u32) };
+    (desc.creature, desc.from, desc.picture) = (i.creature, MRY_TEXTURE_SIDE, str(path));
+    Box::leak(Box::new(desc))
+}
+
+fn render() -> *const mry_render_desc {
+    let mut desc = unsafe { std::mem::zeroed::<mry_render_desc>() };
+    unsafe { mry_render_desc_init(&mut desc, size_of::<mry_render_desc>() as u32) };
+    (desc.width, desc.height, desc.adapter) = (64, 48, MRY_ADAPTER_CPU);
+    Box::leak(Box::new(desc))
+}
+
+fn render_file(i: Ids, path: &str) -> *const mry_render_file_desc {
+    let mut desc = unsafe { std::mem::zeroed::<mry_render_file_desc>() };
+    unsafe { mry_render_file_desc_init(&mut desc, size_of::<mry_render_file_desc>() as u32) };
+    (desc.creature, desc.path, desc.format, desc.picture) = (i.creature, str(path), str("gif"), render());
+    Box::leak(Box::new(desc))
+}
+
 fn segment(i: Ids) -> *const mry_segment_desc {
     let mut desc = unsafe { std::mem::zeroed::<mry_segment_desc>() };
     unsafe { mry_segment_desc_init(&mut desc, size_of::<mry_segment_desc>() as u32) };
@@ -281,6 +307,17 @@ fn export(i: Ids, path: &str) -> *const mry_export_desc {
     Box::leak(Box::new(desc))
 }
 
+fn print(i: Ids, path: &str) -> *const mry_print_desc {
+    let mut desc = unsafe { std::mem::zeroed::<mry_print_desc>() };
+    unsafe { mry_print_desc_init(&mut desc, size_of::<mry_print_desc>() as u32) };
+    // Coarse, and so quick.
+    (desc.creature, desc.size, desc.detail, desc.min_thickness) = (i.creature, 20.0, 1.0, -1.0);
+    if !path.is_empty() {
+        desc.path = str(path);
+    }
+    Box::leak(Box::new(desc))
+}
+
 /// Every function that takes a context and an error, called as a careful host would.
 const CALLS: &[(&str, Has, Run)] = calls! {
     Out mry_context_get_threads(c, i, o, e, p) => [o.at()];
@@ -298,6 +335,8 @@ const CALLS: &[(&str, Has, Run)] = calls! {
     IdAndOut mry_rig_get_limb_count(c, i, o, e, p) => [i.rig, o.at()];
     IdAndOut mry_rig_get_limb(c, i, o, e, p) => [i.rig, 0, o.at(), 4096, o.at(), o.at()];
     Id mry_rig_set_stroke(c, i, o, e, p) => [i.rig, 0, 2, point(), 2, MRY_FACING_TOWARD];
+    Id mry_rig_set_depth(c, i, o, e, p) => [i.rig, 0, 2, MRY_SAID_DEPTH, 3.0, 0.0];
+    IdAndOut mry_rig_get_depth(c, i, o, e, p) => [i.rig, 0, 2, o.at(), o.at(), o.at()];
     Id mry_rig_remove_stroke(c, i, o, e, p) => [i.rig, 0, 2];
     IdAndOut mry_rig_get_stroke(c, i, o, e, p) => [i.rig, 0, 0, o.at(), 4096, o.at(), o.at()];
     IdAndOut mry_rig_get_keyframes(c, i, o, e, p) => [i.rig, o.at(), 4096, o.at()];
@@ -352,6 +391,13 @@ const CALLS: &[(&str, Has, Run)] = calls! {
     IdAndOut mry_job_start_sketch_take(c, i, o, e, p) => [sketch_take(i), o.at()];
     IdAndOut mry_run_sketch_take(c, i, o, e, p) => [sketch_take(i), o.at()];
     IdAndOut mry_job_take_sketch_take(c, i, o, e, p) => [i.job, o.at()];
+    IdAndOut mry_job_start_print(c, i, o, e, p) => [print(i, ""), o.at()];
+    IdAndOut mry_run_print(c, i, o, e, p) => [print(i, ""), o.at()];
+    IdAndOut mry_job_take_solid(c, i, o, e, p) => [i.job, o.at()];
+    IdAndOut mry_solid_get_info(c, i, o, e, p) => [i.solid, o.sized::<mry_solid_info>()];
+    IdAndOut mry_solid_read_vertices(c, i, o, e, p) => [i.solid, ptr::null_mut(), ptr::null_mut(), 0, o.at()];
+    IdAndOut mry_solid_read_triangles(c, i, o, e, p) => [i.solid, ptr::null_mut(), 0, o.at()];
+    Id mry_solid_write(c, i, o, e, p) => [i.solid, str(p)];
     IdAndOut mry_sketch_take_get_info(c, i, o, e, p) => [i.sketch_take, o.sized::<mry_sketch_take_info>()];
     IdAndOut mry_sketch_take_read_order(c, i, o, e, p) => [i.sketch_take, o.at(), 512, o.at()];
     IdAndOut mry_sketch_take_read_stroke(c, i, o, e, p) => [i.sketch_take, 0, 0, o.at(), 128, o.at()];
@@ -468,6 +514,15 @@ const CALLS: &[(&str, Has, Run)] = calls! {
     Id mry_poses_set_depth(c, i, o, e, p) => [i.poses, 0, 0, 1];
     IdAndOut mry_motion_retarget(c, i, o, e, p) => [i.motion, i.character, ptr::null(), o.at()];
     IdAndOut mry_motion_match(c, i, o, e, p) => [i.motion, i.character, ptr::null(), o.at(), 4096, o.at()];
+    IdAndOut mry_motion_find_cycle(c, i, o, e, p) => [i.motion, o.sized()];
+    IdAndOut mry_motion_read_phases(c, i, o, e, p) => [i.motion, o.at(), o.at(), 4096, o.at()];
+    IdAndOut mry_motion_loop(c, i, o, e, p) => [i.motion, ptr::null(), o.at(), ptr::null_mut()];
+    IdAndOut mry_motion_smooth(c, i, o, e, p) => [i.motion, ptr::null(), o.at()];
+    IdAndOut mry_motion_plant(c, i, o, e, p) => [i.motion, ptr::null(), o.at()];
+    IdAndOut mry_motion_get_contacts(c, i, o, e, p) => [i.motion, ptr::null(), o.at(), 4096, o.at()];
+    IdAndOut mry_motion_retime(c, i, o, e, p) => [i.motion, ptr::null(), o.at()];
+    IdAndOut mry_motion_map_limbs(c, i, o, e, p) => [i.motion, i.motion, ptr::null(), o.at()];
+    IdAndOut mry_motion_match_limbs(c, i, o, e, p) => [i.motion, i.motion, ptr::null(), o.at(), 4096, o.at()];
     Out mry_motion_read_bvh(c, i, o, e, p) => [str(p), 0, 0, o.at()];
     Id mry_motion_write_bvh(c, i, o, e, p) => [i.motion, str(p)];
     IdAndOut mry_job_start_take(c, i, o, e, p) => [take(i), o.at()];
@@ -488,6 +543,25 @@ const CALLS: &[(&str, Has, Run)] = calls! {
     IdAndOut mry_creature_map_texture(c, i, o, e, p) => [i.creature, 0, o.sized()];
     Out mry_creature_open(c, i, o, e, p) => [str(p), o.at()];
     IdAndOut mry_creature_get_limb(c, i, o, e, p) => [i.creature, 0, o.at(), 4096, o.at(), o.sized()];
+    Id mry_creature_write_textures(c, i, o, e, p) => [i.creature, str(p)];
+    IdAndOut mry_creature_read_textures(c, i, o, e, p) => [i.creature, str(p), o.at()];
+    IdAndOut mry_job_start_texture(c, i, o, e, p) => [texture(i, p), o.at()];
+    IdAndOut mry_run_texture(c, i, o, e, p) => [texture(i, p), o.at()];
+    IdAndOut mry_crowd_create(c, i, o, e, p) => [&mry_instance { creature: i.creature, ..Default::default() }, 1, 2, 12.0, o.at()];
+    IdAndOut mry_crowd_create_herd(c, i, o, e, p) => [i.creature, 2, 2, o.at()];
+    Out mry_crowd_read(c, i, o, e, p) => [str(p), o.at()];
+    IdAndOut mry_crowd_get_info(c, i, o, e, p) => [i.crowd, o.sized()];
+    Id mry_crowd_write_glb(c, i, o, e, p) => [i.crowd, str(p), 0.0];
+    Out mry_context_get_renderer(c, i, o, e, p) => [MRY_ADAPTER_CPU, o.at(), 4096, o.at()];
+    IdAndOut mry_creature_render(c, i, o, e, p) =>
+        [i.creature, render(), o.at::<[u8; 32]>().cast(), 4096 * 32, o.at()];
+    IdAndOut mry_job_start_render(c, i, o, e, p) => [render_file(i, p), o.at()];
+    Id mry_run_render(c, i, o, e, p) => [render_file(i, p)];
+    IdAndOut mry_creature_pose(c, i, o, e, p) => [i.creature, ptr::null(), 0, ptr::null(), o.at(), 4096, o.at()];
+    IdAndOut mry_creature_repose(c, i, o, e, p) => [i.creature, str("{}"), ptr::null(), o.at()];
+    IdAndOut mry_creature_drive(c, i, o, e, p) => [i.creature, i.motion, str(""), ptr::null(), o.at()];
+    IdAndOut mry_creature_match(c, i, o, e, p) => [i.creature, i.motion, str(""), o.at(), 4096, o.at()];
+    IdAndOut mry_creature_get_strain(c, i, o, e, p) => [i.creature, o.at(), 4096, o.at()];
     Id mry_creature_write_glb(c, i, o, e, p) => [i.creature, str(p), 0.0];
     Id mry_creature_write_folder(c, i, o, e, p) => [i.creature, str(p), 0, 0.0];
     Id mry_creature_write_obj(c, i, o, e, p) => [i.creature, str(p)];
@@ -534,6 +608,7 @@ const CALLS: &[(&str, Has, Run)] = calls! {
     Id mry_session_remove_limb(c, i, o, e, p) => [i.session, 0];
     Id mry_session_set_limb(c, i, o, e, p) => [i.session, 0, str("trunk"), MRY_SIDE_MID];
     Id mry_session_set_stroke(c, i, o, e, p) => [i.session, 0, 2, point(), 2, MRY_FACING_TOWARD];
+    Id mry_session_set_depth(c, i, o, e, p) => [i.session, 0, 2, MRY_SAID_BEND, 0.0, 3.0];
     Id mry_session_remove_stroke(c, i, o, e, p) => [i.session, 0, 2];
     Id mry_session_add_paint(c, i, o, e, p) => [i.session, 0, MRY_PAINT_FOREGROUND, 2.0, point(), 2];
     Id mry_session_remove_paint(c, i, o, e, p) => [i.session, 0, 0];
@@ -576,12 +651,13 @@ const CALLS: &[(&str, Has, Run)] = calls! {
 };
 
 /// Functions that destroy, and functions without a context.
-const OTHERS: [&str; 67] = [
+const OTHERS: [&str; 84] = [
     "mry_abi_check",
     "mry_allocator_init",
     "mry_bind_desc_init",
     "mry_binding_destroy",
     "mry_binding_info_init",
+    "mry_camera_init",
     "mry_capture_desc_init",
     "mry_character_desc_init",
     "mry_character_destroy",
@@ -598,6 +674,9 @@ const OTHERS: [&str; 67] = [
     "mry_creature_destroy",
     "mry_creature_info_init",
     "mry_creature_limb_init",
+    "mry_crowd_destroy",
+    "mry_crowd_info_init",
+    "mry_cycle_init",
     "mry_deform_desc_init",
     "mry_deformation_destroy",
     "mry_drawing_destroy",
@@ -610,7 +689,9 @@ const OTHERS: [&str; 67] = [
     "mry_job_destroy",
     "mry_job_state_init",
     "mry_joints_destroy",
+    "mry_limb_map_desc_init",
     "mry_limits_init",
+    "mry_loop_desc_init",
     "mry_masks_destroy",
     "mry_masks_info_init",
     "mry_mesh_view_init",
@@ -619,6 +700,7 @@ const OTHERS: [&str; 67] = [
     "mry_motion_use_init",
     "mry_parameter_info_init",
     "mry_part_info_init",
+    "mry_plant_desc_init",
     "mry_plugin_info_init",
     "mry_plugin_parameter_info_init",
     "mry_plugins_desc_init",
@@ -626,8 +708,14 @@ const OTHERS: [&str; 67] = [
     "mry_poser_destroy",
     "mry_poses_destroy",
     "mry_poses_info_init",
+    "mry_render_desc_init",
+    "mry_render_file_desc_init",
+    "mry_repose_desc_init",
     "mry_retarget_desc_init",
+    "mry_retime_desc_init",
+    "mry_print_desc_init",
     "mry_rig_destroy",
+    "mry_seam_init",
     "mry_segment_desc_init",
     "mry_session_destroy",
     "mry_session_state_init",
@@ -635,9 +723,13 @@ const OTHERS: [&str; 67] = [
     "mry_sketch_take_desc_init",
     "mry_sketch_take_destroy",
     "mry_sketch_take_info_init",
+    "mry_smooth_desc_init",
+    "mry_solid_destroy",
+    "mry_solid_info_init",
     "mry_status_text",
     "mry_take_desc_init",
     "mry_take_destroy",
+    "mry_texture_desc_init",
     "mry_take_file_desc_init",
     "mry_take_info_init",
     "mry_track_desc_init",
@@ -704,6 +796,8 @@ fn dead_and_foreign_ids_are_stale_everywhere() {
         mry_drawing_destroy(f.context, dead.drawing);
         mry_binding_destroy(f.context, dead.binding);
         mry_sketch_take_destroy(f.context, dead.sketch_take);
+        mry_crowd_destroy(f.context, dead.crowd);
+        mry_solid_destroy(f.context, dead.solid);
         mry_joints_destroy(f.context, dead.joints);
     }
     let garbage = Ids {
@@ -723,6 +817,8 @@ fn dead_and_foreign_ids_are_stale_everywhere() {
         drawing: mry_drawing { v: u64::MAX },
         binding: mry_binding { v: u64::MAX },
         sketch_take: mry_sketch_take { v: u64::MAX },
+        crowd: mry_crowd { v: u64::MAX },
+        solid: mry_solid { v: u64::MAX },
         joints: mry_joints { v: u64::MAX },
     };
     for (name, _, run) in CALLS.iter().filter(|c| !matches!(c.1, Has::Out | Has::Neither)) {
@@ -752,6 +848,8 @@ fn destroying_nothing_is_no_error_and_destroying_twice_is_one() {
         assert_eq!(mry_drawing_destroy(c, mry_drawing::default()), OK);
         assert_eq!(mry_binding_destroy(c, mry_binding::default()), OK);
         assert_eq!(mry_sketch_take_destroy(c, mry_sketch_take::default()), OK);
+        assert_eq!(mry_crowd_destroy(c, mry_crowd::default()), OK);
+        assert_eq!(mry_solid_destroy(c, mry_solid::default()), OK);
         assert_eq!(mry_joints_destroy(c, mry_joints::default()), OK);
         assert_eq!(mry_session_destroy(c, mry_session::default()), OK);
         assert_eq!(mry_character_destroy(c, mry_character::default()), OK);

@@ -190,3 +190,109 @@ fn joints_are_marked_by_hand_captured_and_corrected() {
         assert!(asked == code(MRY_E_BUFFER_TOO_SMALL) && size > 100, "{asked}");
     }
 }
+
+/// A leg that swings once in `period` frames, on a body that goes to the right.
+fn walking(f: &Fixture, frames: u64, period: f32) -> mry_motion {
+    let (mut motion, mut body, mut leg) = (mry_motion::default(), 0, 0);
+    unsafe {
+        assert_eq!(mry_motion_create(f.context, 200, 200, frames, 24.0, &mut motion, NO_ERROR), OK);
+        assert_eq!(mry_motion_add_track(f.context, motion, str("body"), MRY_TRACK_STROKE, 2, &mut body, NO_ERROR), OK);
+        assert_eq!(mry_motion_add_track(f.context, motion, str("leg"), MRY_TRACK_STROKE, 3, &mut leg, NO_ERROR), OK);
+        assert_eq!(mry_motion_add_bone(f.context, motion, body, leg, NO_ERROR), OK);
+        for frame in 0..frames {
+            let x = 50.0 + frame as f32;
+            let swing = 0.5 * (std::f32::consts::TAU * frame as f32 / period).sin();
+            let at = |l: f32| mry_point { x: x + l * swing.sin(), y: 50.0 + l * swing.cos() };
+            let points = [at(0.0), at(40.0), at(80.0)];
+            let line = [at(0.0), mry_point { x: x + 60.0, y: 50.0 }];
+            let set = |track, p: &[mry_point]| {
+                mry_motion_set_frame(
+                    f.context,
+                    motion,
+                    track,
+                    frame,
+                    p.as_ptr(),
+                    ptr::null(),
+                    ptr::null(),
+                    p.len(),
+                    NO_ERROR,
+                )
+            };
+            assert_eq!((set(body, &line), set(leg, &points)), (OK, OK));
+        }
+    }
+    motion
+}
+
+#[test]
+fn a_motion_is_closed_smoothed_planted_retimed_and_mapped() {
+    let f = fixture();
+    let (c, motion, mut err) = (f.context, walking(&f, 50, 20.0), error());
+    unsafe {
+        let mut cycle = mry_cycle {
+            struct_size: size_of::<mry_cycle>() as u32,
+            reserved0: 0,
+            period: 0.0,
+            start: 0.0,
+            confidence: 0.0,
+        };
+        assert_eq!(mry_motion_find_cycle(c, motion, &mut cycle, &mut err), OK);
+        assert!((cycle.period - 20.0).abs() < 0.1 && cycle.confidence > 0.8, "{}", cycle.period);
+        let (mut phases, mut count) = ([0.0; 2], 0);
+        let read = |phases: &mut [f64], count: &mut usize| {
+            mry_motion_read_phases(c, motion, phases.as_mut_ptr(), ptr::null_mut(), phases.len(), count, NO_ERROR)
+        };
+        assert_eq!(read(&mut phases[..1], &mut count), code(MRY_E_BUFFER_TOO_SMALL));
+        assert_eq!((read(&mut phases, &mut count), count), (OK, 2));
+
+        let mut made = mry_motion::default();
+        assert_eq!(mry_motion_loop(c, motion, ptr::null(), &mut made, ptr::null_mut(), &mut err), OK);
+        let mut info = std::mem::zeroed::<mry_motion_info>();
+        mry_motion_info_init(&mut info, size_of::<mry_motion_info>() as u32);
+        assert_eq!(mry_motion_get_info(c, made, &mut info, &mut err), OK);
+        assert_eq!(info.frame_count, 20);
+        let mut closing = std::mem::zeroed::<mry_loop_desc>();
+        mry_loop_desc_init(&mut closing, size_of::<mry_loop_desc>() as u32);
+        (closing.start, closing.period) = (40.0, 20.0);
+        assert_eq!(mry_motion_loop(c, motion, &closing, &mut made, ptr::null_mut(), &mut err), code(MRY_E_INPUT));
+        closing.period = f64::NAN;
+        assert_eq!(mry_motion_loop(c, motion, &closing, &mut made, ptr::null_mut(), &mut err), code(MRY_E_NON_FINITE));
+
+        // Every frame of a motion made by hand is certain: nothing moves, until frames are named.
+        let mut smoothing = std::mem::zeroed::<mry_smooth_desc>();
+        mry_smooth_desc_init(&mut smoothing, size_of::<mry_smooth_desc>() as u32);
+        assert_eq!(mry_motion_smooth(c, motion, &smoothing, &mut made, &mut err), OK);
+        assert_eq!(frame(&f, made, 1, 7), frame(&f, motion, 1, 7));
+        (smoothing.only_frames, smoothing.period) = (1, 20.0);
+        (smoothing.frames, smoothing.frame_count) = ([7u64].as_ptr(), 1);
+        assert_eq!(mry_motion_smooth(c, motion, &smoothing, &mut made, &mut err), OK);
+        assert_eq!(frame(&f, made, 1, 7), frame(&f, motion, 1, 7));
+        assert_ne!(frame(&f, made, 1, 8), frame(&f, motion, 1, 8));
+
+        assert_eq!(mry_motion_plant(c, motion, ptr::null(), &mut made, &mut err), OK);
+        let (mut words, mut size) = ([0; 400], 0);
+        assert_eq!(
+            mry_motion_get_contacts(c, motion, ptr::null(), words.as_mut_ptr(), words.len(), &mut size, &mut err),
+            OK
+        );
+        assert!(text(&words).contains(r#""track":"leg""#), "{}", text(&words));
+
+        let mut retiming = std::mem::zeroed::<mry_retime_desc>();
+        mry_retime_desc_init(&mut retiming, size_of::<mry_retime_desc>() as u32);
+        retiming.direction = MRY_DIRECTION_BACKWARD;
+        assert_eq!(mry_motion_retime(c, motion, &retiming, &mut made, &mut err), OK);
+        assert_eq!(frame(&f, made, 1, 0), frame(&f, motion, 1, 49));
+        retiming.easing = 9;
+        assert_eq!(mry_motion_retime(c, motion, &retiming, &mut made, &mut err), code(MRY_E_ARGUMENT));
+
+        let other = walking(&f, 1, 20.0);
+        assert_eq!(mry_motion_map_limbs(c, motion, other, ptr::null(), &mut made, &mut err), OK);
+        assert_eq!(mry_motion_get_info(c, made, &mut info, &mut err), OK);
+        assert_eq!((info.frame_count, info.track_count), (50, 2));
+        assert_eq!(
+            mry_motion_match_limbs(c, motion, other, ptr::null(), words.as_mut_ptr(), words.len(), &mut size, &mut err),
+            OK
+        );
+        assert!(text(&words).contains("marey-limb-map"), "{}", text(&words));
+    }
+}

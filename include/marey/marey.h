@@ -77,6 +77,9 @@
 #define MRY_CLIP_OPTIONS_INIT { (uint32_t)sizeof(mry_clip_options), 0, { NULL, 0 }, 0, 0, 0.0 }
 #define MRY_CLIP_INFO_INIT { (uint32_t)sizeof(mry_clip_info), 0, 0, 0, 0, 0.0, { 0 } }
 #define MRY_MOTION_INFO_INIT { (uint32_t)sizeof(mry_motion_info), 0, 0, 0, 0, 0.0, 0, 0 }
+#define MRY_CYCLE_INIT { (uint32_t)sizeof(mry_cycle), 0, 0.0, 0.0, 0.0 }
+#define MRY_LOOP_DESC_INIT { (uint32_t)sizeof(mry_loop_desc), 0, 0.0, 0.0, 0, 0, 0.0, 0, 0.0 }
+#define MRY_SEAM_INIT { (uint32_t)sizeof(mry_seam), 0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0 }
 #define MRY_CORRECTION_INIT { (uint32_t)sizeof(mry_correction), 0, 0, 0.0f, 0 }
 #define MRY_MASKS_INFO_INIT { (uint32_t)sizeof(mry_masks_info), 0, 0, 0, 0 }
 #define MRY_CREATURE_INFO_INIT { (uint32_t)sizeof(mry_creature_info), 0, 0, 0, 0, 0, 0, 0.0, 0, 0 }
@@ -84,11 +87,18 @@
 #define MRY_PART_INFO_INIT { (uint32_t)sizeof(mry_part_info), 0, 0, 0, 0, 0 }
 #define MRY_IMAGE_VIEW_INIT { (uint32_t)sizeof(mry_image_view), 0, 0, 0, 0, NULL, { 0 } }
 #define MRY_MESH_VIEW_INIT { (uint32_t)sizeof(mry_mesh_view), 0, 0, 0, NULL, NULL, NULL, NULL, { 0 } }
+#define MRY_PRINT_DESC_INIT { (uint32_t)sizeof(mry_print_desc), 0, { 0 }, 0, 0.0f, 0.0f, 0.0f, 0, 0, 0, { NULL, 0 } }
+#define MRY_SOLID_INFO_INIT { (uint32_t)sizeof(mry_solid_info), 0, 0, 0, 0.0, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0, 0, 0 }
+#define MRY_REPOSE_DESC_INIT { (uint32_t)sizeof(mry_repose_desc), 0, 0.0f, 0.0f, 0.0f, 0.0f, 0, 0, 0 }
 #define MRY_DEFORM_DESC_INIT { (uint32_t)sizeof(mry_deform_desc), 0, NULL, 0, NULL, 0, NULL, 0, { NULL, 0 } }
 #define MRY_CHARACTER_DESC_INIT { (uint32_t)sizeof(mry_character_desc), 0, 0.0f, 0, { NULL, 0 }, { NULL, 0 }, { NULL, 0 }, { NULL, 0 }, NULL }
 #define MRY_CHARACTER_INFO_INIT { (uint32_t)sizeof(mry_character_info), 0, 0, 0, 0, 0, 0, 0 }
 #define MRY_POSES_INFO_INIT { (uint32_t)sizeof(mry_poses_info), 0, 0.0, 0, 0 }
+#define MRY_SMOOTH_DESC_INIT { (uint32_t)sizeof(mry_smooth_desc), 0, 0.0, NULL, 0 }
+#define MRY_PLANT_DESC_INIT { (uint32_t)sizeof(mry_plant_desc), 0, 0, 0, 0.0, 0.0, NULL, 0 }
+#define MRY_RETIME_DESC_INIT { (uint32_t)sizeof(mry_retime_desc), 0, 0.0, 0.0, 0.0, 0, 0, 0, 0, NULL, 0 }
 #define MRY_RETARGET_DESC_INIT { (uint32_t)sizeof(mry_retarget_desc), 0, 0, 0.0f, 0.0f, 0, 0, { NULL, 0 }, NULL, 0 }
+#define MRY_LIMB_MAP_DESC_INIT { (uint32_t)sizeof(mry_limb_map_desc), 0, 0, 0, 0, 0, 0.0, 0.0, { NULL, 0 } }
 #define MRY_TAKE_DESC_INIT { (uint32_t)sizeof(mry_take_desc), 0, { 0 }, { 0 }, { 0 }, { NULL, 0 }, NULL }
 #define MRY_TAKE_INFO_INIT { (uint32_t)sizeof(mry_take_info), 0, 0, 0, 0, 0, 0.0, { 0.0f, 0.0f }, { 0.0f, 0.0f } }
 #define MRY_TAKE_FILE_DESC_INIT { (uint32_t)sizeof(mry_take_file_desc), 0, { 0 }, { NULL, 0 }, { NULL, 0 }, { NULL, 0 }, 0.0f, { 0 } }
@@ -105,8 +115,13 @@
 #define MRY_BIND_DESC_INIT { (uint32_t)sizeof(mry_bind_desc), 0, { 0 }, { 0 }, { 0 }, 0, { NULL, 0 }, NULL, 0, NULL, 0 }
 #define MRY_SKETCH_FILE_DESC_INIT { (uint32_t)sizeof(mry_sketch_file_desc), 0, { 0 }, { NULL, 0 }, { NULL, 0 }, { NULL, 0 }, 0.0f, { 0 } }
 #define MRY_SEGMENT_DESC_INIT { (uint32_t)sizeof(mry_segment_desc), 0, { 0 }, { 0 }, { 0 }, { NULL, 0 }, { NULL, 0 }, { NULL, 0 } }
-#define MRY_CREATURE_DESC_INIT { (uint32_t)sizeof(mry_creature_desc), 0, { 0 }, { 0 }, { NULL, 0 }, { NULL, 0 }, { NULL, 0 } }
+#define MRY_CREATURE_DESC_INIT { (uint32_t)sizeof(mry_creature_desc), 0, { 0 }, { 0 }, { NULL, 0 }, { NULL, 0 }, { NULL, 0 }, { NULL, 0 }, 0.0f, 0 }
 #define MRY_EXPORT_DESC_INIT { (uint32_t)sizeof(mry_export_desc), 0, { 0 }, { NULL, 0 }, 0, 0.0f }
+#define MRY_TEXTURE_DESC_INIT { (uint32_t)sizeof(mry_texture_desc), 0, { 0 }, { 0 }, { 0 }, { 0 }, 0, 0, { 0 }, { NULL, 0 }, 0.0f, 0.0f, NULL, 0, { NULL, 0 } }
+#define MRY_CROWD_INFO_INIT { (uint32_t)sizeof(mry_crowd_info), 0, 0, 0, 0, 0, 0.0 }
+#define MRY_CAMERA_INIT { (uint32_t)sizeof(mry_camera), 0, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, { 0 } }
+#define MRY_RENDER_DESC_INIT { (uint32_t)sizeof(mry_render_desc), 0, 0, 0, 0, 0, 0.0f, { 0 }, 0, NULL, { 0 } }
+#define MRY_RENDER_FILE_DESC_INIT { (uint32_t)sizeof(mry_render_file_desc), 0, { 0 }, { NULL, 0 }, { NULL, 0 }, NULL, 0, 0.0, 0.0f, 0, { 0 }, { 0 }, { 0 } }
 #define MRY_SESSION_STATE_INIT { (uint32_t)sizeof(mry_session_state), 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0 }
 #define MRY_PARAMETER_INFO_INIT { (uint32_t)sizeof(mry_parameter_info), 0, 0.0, 0.0, 0.0, 0, 0, { 0 }, { 0 } }
 #define MRY_PLUGINS_DESC_INIT { (uint32_t)sizeof(mry_plugins_desc), 0, { NULL, 0 }, { NULL, 0 }, { NULL, 0 }, 0, 0, 0, 0 }
@@ -147,6 +162,15 @@
 /** Facing of a stroke: its end is farther from the viewer than its start. */
 #define MRY_FACING_AWAY 2
 
+/** Said of a limb on a frame: how far its free part stands from where it would, toward the viewer. */
+#define MRY_SAID_DEPTH 1
+
+/**
+ * Said of a limb on a frame: how far its free end stands from where the limb is held, toward the viewer, whatever its
+ * length in the image says.
+ */
+#define MRY_SAID_BEND 2
+
 /** Paint that marks background. */
 #define MRY_PAINT_BACKGROUND 0
 
@@ -170,6 +194,24 @@
 
 /** Format of an image: 4 bytes a pixel, red, green, blue, sRGB, and alpha, which the others are not multiplied by. */
 #define MRY_FORMAT_RGBA8 2
+
+/** Size of a print: its longest side, in mm. */
+#define MRY_PRINT_LONGEST 0
+
+/** Size of a print: its height, in mm. */
+#define MRY_PRINT_HEIGHT 1
+
+/** Size of a print: millimetres a world unit, so that frames of one creature keep their relative size. */
+#define MRY_PRINT_UNIT 2
+
+/** Lengths of a creature's bones: as long as the strokes for poses, kept for motions. */
+#define MRY_LENGTHS_DEFAULT 0
+
+/** Lengths of a creature's bones: kept, so that strokes only show directions. */
+#define MRY_LENGTHS_KEPT 1
+
+/** Lengths of a creature's bones: as the strokes have them, within the stretch. */
+#define MRY_LENGTHS_DRAWN 2
 
 /** Kind of a handle: a point of the mesh, at a; b is not looked at. */
 #define MRY_HANDLE_POINT 1
@@ -209,6 +251,15 @@
 
 /** Easing: not at all until the next key. */
 #define MRY_EASING_HOLD 4
+
+/** Which way a motion is gone through: as it was. */
+#define MRY_DIRECTION_FORWARD 0
+
+/** Which way a motion is gone through: from its end to its beginning. */
+#define MRY_DIRECTION_BACKWARD 1
+
+/** Which way a motion is gone through: to its end and back, so that it may be repeated. */
+#define MRY_DIRECTION_THERE_AND_BACK 2
 
 /** What of a bone's direction is carried over: how far it turned since the reference frame. */
 #define MRY_ANGLES_RELATIVE 0
@@ -266,6 +317,69 @@
 
 /** Export: the folder with everything, as mry_creature_write_folder. */
 #define MRY_EXPORT_FOLDER 5
+
+/** Textures come from frames of a clip of the creature. */
+#define MRY_TEXTURE_FRAMES 0
+
+/** Textures come from another creature, limb by limb of the same label. */
+#define MRY_TEXTURE_CREATURE 1
+
+/** Textures come from a picture of the creature's side, stretched over it as the clip's camera sees it at rest. */
+#define MRY_TEXTURE_SIDE 2
+
+/** Textures come from a picture of a material, which repeats over the surface without a seam. */
+#define MRY_TEXTURE_REPEATED 3
+
+/** An instance's motion starts anew when it has ended. */
+#define MRY_PLAY_LOOP 0
+
+/** An instance's motion stays as it ends. */
+#define MRY_PLAY_ONCE 1
+
+/** An instance holds the pose of its start. */
+#define MRY_PLAY_HOLD 2
+
+/** Who draws: a GPU where there is one, else the CPU. */
+#define MRY_ADAPTER_AUTO 0
+
+/** Who draws: a GPU, or one that a driver simulates; where there is none, MRY_E_GPU. */
+#define MRY_ADAPTER_GPU 1
+
+/** Who draws: the CPU. */
+#define MRY_ADAPTER_CPU 2
+
+/** What is shown: the texture's colours as they are. */
+#define MRY_STYLE_TEXTURED 0
+
+/** What is shown: the texture under a lamp. */
+#define MRY_STYLE_SHADED 1
+
+/** What is shown: the edges of the triangles. */
+#define MRY_STYLE_WIREFRAME 2
+
+/** What is shown: how far the surface is from the bones that move it, dark for thin, bright for thick. */
+#define MRY_STYLE_RADIUS 3
+
+/** What is shown: which bones move the surface, and the bones themselves. */
+#define MRY_STYLE_BONES 4
+
+/** What is shown: how near it is, white for nearest. */
+#define MRY_STYLE_DEPTH 5
+
+/** What is shown: where the surface faces, red to the right, green up, blue to the viewer. */
+#define MRY_STYLE_NORMALS 6
+
+/** Where the camera is: far enough from yaw and pitch to show the whole animation. */
+#define MRY_CAMERA_FITTED 0
+
+/**
+ * Where the camera is: over the clip, so that a picture of the clip's size lies on its frames pixel by pixel. Yaw, pitch
+ * and fov are not looked at.
+ */
+#define MRY_CAMERA_CLIP 1
+
+/** Where the camera is: around target, at distance, or with height. */
+#define MRY_CAMERA_PLACED 2
 
 /** Access to a session file: to edit it; no other program may. */
 #define MRY_ACCESS_EDIT 0
@@ -372,6 +486,8 @@ typedef enum mry_status_code {
   MRY_E_IO = -401,
   /** No thread could be started. */
   MRY_E_THREADS = -402,
+  /** There is no GPU, or it failed. */
+  MRY_E_GPU = -403,
   /** There is no plugin of that name, or no file. */
   MRY_E_PLUGIN_NOT_FOUND = -501,
   /** The plugin's file is being written. */
@@ -669,6 +785,73 @@ typedef struct mry_motion {
   uint64_t v;
 } mry_motion;
 
+/** The cycle of a motion. */
+typedef struct mry_cycle {
+  /** sizeof(mry_cycle). */
+  uint32_t struct_size;
+  /** Zero. */
+  uint32_t reserved0;
+  /** After so many frames all is the same again; no whole number. */
+  double period;
+  /** The frame at which a period begins whose surroundings are most like those where it ends. */
+  double start;
+  /** How surely this is a cycle, 0..1. */
+  double confidence;
+} mry_cycle;
+
+/** How a loop is closed. Start from MRY_LOOP_DESC_INIT; nothing must be set. */
+typedef struct mry_loop_desc {
+  /** sizeof(mry_loop_desc). */
+  uint32_t struct_size;
+  /** 1 to keep the way of the whole; 0 to stay in place. */
+  uint32_t keep_travel;
+  /** The frame it begins at, where a period is given. */
+  double start;
+  /** Frames until it begins again, 3 at least; 0 for the cycle that is found. */
+  double period;
+  /** Cycles in the loop, where the cycle is found; 0 for 1. */
+  uint32_t cycles;
+  /** 1 to fade nothing; else the share below. */
+  uint32_t no_fade;
+  /** The share of the loop over which the frames of both ends are faded, up to 1; 0 for 0.25. */
+  double fade;
+  /** Frames of the loop; 0 for as many as keep the pace best. */
+  uint64_t frame_count;
+  /** Frames a second; 0 for the motion's own. */
+  double fps;
+} mry_loop_desc;
+
+/**
+ * How a loop was closed: what steps from frame to frame, over the seam and wherever both ends are faded, differ by from the
+ * motion's own. Shares are of the figure's extent, the longer side of what it covers.
+ */
+typedef struct mry_seam {
+  /** sizeof(mry_seam). */
+  uint32_t struct_size;
+  /** Zero. */
+  uint32_t reserved0;
+  /** The frame of the motion that the loop begins at. */
+  double start;
+  /** How many frames of the motion it takes. */
+  double period;
+  /** How far the whole goes to the right in a loop, in pixels, kept or not. */
+  double travel_x;
+  /** How far it goes down. */
+  double travel_y;
+  /** How far a step is from the motion's, the mean over points, in the frame where it is most. */
+  double pose;
+  /** The same of the point where it is most. */
+  double pose_most;
+  /** How far the change of a step is from the motion's, the mean over points, in the frame where it is most. */
+  double speed;
+  /** The same of the point where it is most. */
+  double speed_most;
+  /** How far a point goes from frame to frame of the loop, the mean. */
+  double usual_step;
+  /** How much a step differs from the one before, the mean. */
+  double usual_change;
+} mry_seam;
+
 /** A stroke that is worth drawing next. */
 typedef struct mry_correction {
   /** sizeof(mry_correction). */
@@ -831,6 +1014,120 @@ typedef struct mry_mesh_view {
   mry_map map;
 } mry_mesh_view;
 
+/** What to print. Start from MRY_PRINT_DESC_INIT; creature must be set. */
+typedef struct mry_print_desc {
+  /** sizeof(mry_print_desc). */
+  uint32_t struct_size;
+  /** What size means: MRY_PRINT_LONGEST, ... */
+  int32_t size_kind;
+  /** The creature. */
+  mry_creature creature;
+  /** Which frame, below frame_count. */
+  uint64_t frame;
+  /** How large, before thin parts and a base make it larger; 0 for 100. */
+  float size;
+  /** No part is thinner, in mm; 0 for 1. Below 0 thin parts stay as they are. */
+  float min_thickness;
+  /** The size of the smallest detail, in mm; 0 chooses by size and thickness. */
+  float detail;
+  /** 1 for a plate under the feet, joined to all of them. */
+  uint32_t base;
+  /** At most so many triangles, from 100 on; 0 for as many as the detail takes. */
+  uint32_t max_triangles;
+  /** Zero. */
+  uint32_t reserved0;
+  /** Where to write it, a name that ends in .stl or .3mf; empty for nowhere. */
+  mry_str path;
+} mry_print_desc;
+
+/** What a solid is, and what was done to make it. */
+typedef struct mry_solid_info {
+  /** sizeof(mry_solid_info). */
+  uint32_t struct_size;
+  /** Feet that the base holds; 0 without one. */
+  uint32_t feet;
+  /** Vertices. */
+  uint64_t vertex_count;
+  /** Triangles. */
+  uint64_t triangle_count;
+  /** In cubic mm. */
+  double volume;
+  /** In mm. */
+  float width;
+  /** In mm. */
+  float depth;
+  /** In mm. */
+  float height;
+  /** Millimetres a world unit. */
+  float mm_per_unit;
+  /** How much of the surface belonged to parts that were too thin, 0..1. */
+  float thickened;
+  /** Loose bits that bars join to the rest. */
+  uint32_t joined;
+  /** Loose bits that were left out. */
+  uint32_t dropped;
+  /** Hollows inside that were filled. */
+  uint32_t filled;
+} mry_solid_info;
+
+/** A job. */
+typedef struct mry_job {
+  /** The id; 0 is no job. */
+  uint64_t v;
+} mry_job;
+
+/** A solid. */
+typedef struct mry_solid {
+  /** The id; 0 is no solid. */
+  uint64_t v;
+} mry_solid;
+
+/** How a creature is posed. Start from MRY_REPOSE_DESC_INIT; nothing must be set. */
+typedef struct mry_repose_desc {
+  /** sizeof(mry_repose_desc). */
+  uint32_t struct_size;
+  /** MRY_LENGTHS_DEFAULT, ... */
+  int32_t lengths;
+  /** A limb gets at most this many times its length, 1 to 10; 0 for 1.25. */
+  float stretch;
+  /**
+   * A limb without a facing that is drawn shorter than this share of its length leaves the image plane, up to 1; 0
+   * for 0.5.
+   */
+  float foreshortened;
+  /** The most that a bone turns against the one before it, in degrees up to 180; 0 for 115. */
+  float sharpest;
+  /** For motions: what the way of the roots is scaled by; 0 for the ratio of the limbs' lengths. */
+  float root_scale;
+  /** For motions: 1 to leave the roots where they are; 0 to let them go. */
+  uint32_t in_place;
+  /** For motions: 1 to let left and right change places; 0 to leave them. */
+  uint32_t mirror;
+  /** For key poses: how many frames to make; 0 for up to the last key. */
+  uint64_t frames;
+} mry_repose_desc;
+
+/** A limb as drawn for a pose. */
+typedef struct mry_limb_pose {
+  /** The limb's label. */
+  mry_str limb;
+  /** The stroke, from the limb's start to its end, in clip pixels. */
+  const mry_point *points;
+  /** 2 or more. */
+  uint64_t point_count;
+  /**
+   * MRY_FACING_UNKNOWN, ... With a facing the limb keeps its length: the shorter the stroke, the farther it leaves the
+   * image plane.
+   */
+  int32_t facing;
+  /** 1 if bend says how far the free end stands from where the limb is held; 0 if its length does. */
+  uint32_t has_bend;
+  /** That, in clip pixels toward the viewer. */
+  float bend;
+  /** How far the free part stands from where it would, in clip pixels toward the viewer. */
+  float depth;
+} mry_limb_pose;
+
 /** What a person moves to deform a mesh. */
 typedef struct mry_handle {
   /** MRY_HANDLE_POINT or MRY_HANDLE_BONE. */
@@ -922,12 +1219,6 @@ typedef struct mry_character_info {
   uint64_t triangle_count;
 } mry_character_info;
 
-/** A job. */
-typedef struct mry_job {
-  /** The id; 0 is no job. */
-  uint64_t v;
-} mry_job;
-
 /** A character. */
 typedef struct mry_character {
   /** The id; 0 is no character. */
@@ -976,6 +1267,78 @@ typedef struct mry_poses {
   uint64_t v;
 } mry_poses;
 
+/** How a motion is smoothed. Start from MRY_SMOOTH_DESC_INIT; nothing must be set. */
+typedef struct mry_smooth_desc {
+  /** sizeof(mry_smooth_desc). */
+  uint32_t struct_size;
+  /** 1 to hold the frames below, maybe none; 0 to hold those where a track is certain: key frames. */
+  uint32_t only_frames;
+  /** The period in frames of the swing that is halved, 2..200: shorter ones vanish; 0 for 5. */
+  double period;
+  /** Frames that are gone through exactly, in all tracks. */
+  const uint64_t *frames;
+  /** How many. */
+  size_t frame_count;
+} mry_smooth_desc;
+
+/** How feet are planted. Start from MRY_PLANT_DESC_INIT; nothing must be set. */
+typedef struct mry_plant_desc {
+  /** sizeof(mry_plant_desc). */
+  uint32_t struct_size;
+  /** 1 if the ground stands still in the picture; 0 to measure how it goes, as where the camera follows. */
+  uint32_t still;
+  /** 1 if the motion is a loop in place. */
+  uint32_t closed;
+  /** 1 if `ground` says where the ground is; 0 for where each foot comes down. */
+  uint32_t has_ground;
+  /** Where the ground is, in pixels from the top. */
+  double ground;
+  /** Frames before and after over which a foot is let go; 0 for 4. */
+  double ease;
+  /** Names of the tracks that end in feet: limbs, or joints. */
+  const mry_str *feet;
+  /** How many; 0 for those that are found. */
+  size_t foot_count;
+} mry_plant_desc;
+
+/** At a frame of the result, a frame of the motion comes. */
+typedef struct mry_time_key {
+  /** The frame of the result, from 0. */
+  double at;
+  /** The frame of the motion. */
+  double frame;
+  /** How time passes until the next key: MRY_EASING_LINEAR, ... */
+  int32_t easing;
+  /** Zero. */
+  uint32_t reserved0;
+} mry_time_key;
+
+/** How a motion is given another time. Start from MRY_RETIME_DESC_INIT; nothing must be set. */
+typedef struct mry_retime_desc {
+  /** sizeof(mry_retime_desc). */
+  uint32_t struct_size;
+  /** MRY_DIRECTION_FORWARD, ... */
+  int32_t direction;
+  /** How many times as fast; 0 for 1. */
+  double speed;
+  /** Seconds in all, in place of a speed; 0 for what the speed leads to. */
+  double seconds;
+  /** Frames a second, in the same time; 0 for the motion's own. */
+  double fps;
+  /** How time passes over the whole: MRY_EASING_LINEAR, ... */
+  int32_t easing;
+  /** Frames that each picture stands: 2 for on twos; 0 for 1. */
+  uint32_t hold;
+  /** 1 if the motion is a loop: its first frame comes after its last, and the result is a loop too. */
+  uint32_t closed;
+  /** 1 if speed changes without jumps from key to key, in place of the keys' easings. */
+  uint32_t smooth;
+  /** When what comes, in order, in place of speed, seconds and easing. */
+  const mry_time_key *keys;
+  /** How many. */
+  size_t key_count;
+} mry_retime_desc;
+
 /** How a motion is carried over. Start from MRY_RETARGET_DESC_INIT; nothing must be set. */
 typedef struct mry_retarget_desc {
   /** sizeof(mry_retarget_desc). */
@@ -999,6 +1362,28 @@ typedef struct mry_retarget_desc {
   /** How many. */
   uint64_t planted_count;
 } mry_retarget_desc;
+
+/** How a motion is carried over to limbs. Start from MRY_LIMB_MAP_DESC_INIT; nothing must be set. */
+typedef struct mry_limb_map_desc {
+  /** sizeof(mry_limb_map_desc). */
+  uint32_t struct_size;
+  /** MRY_ANGLES_RELATIVE or MRY_ANGLES_ABSOLUTE. */
+  int32_t angles;
+  /** MRY_FACES_EITHER_WAY, ...: whether the creature faces as what moves does; the other way, the motion is mirrored. */
+  int32_t faces;
+  /** 1 to leave the whole where it is; 0 to let it go. */
+  uint32_t in_place;
+  /** The frame of the motion that the limbs at rest correspond to, counted from 1; 0 for its mean pose. */
+  uint64_t reference_from_one;
+  /** The frame of the creature's own motion in which its limbs are at rest, counted from 1; 0 for its mean pose. */
+  uint64_t rest_from_one;
+  /** Limbs change their length with the motion's up to this factor either way; 0 for 1, which keeps all lengths. */
+  double stretch;
+  /** What the way of the whole is scaled by; 0 for the ratio of the figures' sizes. */
+  double travel;
+  /** The text of a limb map: which limb follows what; empty to propose one. */
+  mry_str map;
+} mry_limb_map_desc;
 
 /** What to make a take of. Start from MRY_TAKE_DESC_INIT; poses, or character and motion must be set. */
 typedef struct mry_take_desc {
@@ -1368,6 +1753,12 @@ typedef struct mry_creature_desc {
   mry_str segmenter;
   /** Where to write everything, see mry_creature_write_folder; empty for nowhere. */
   mry_str folder;
+  /** How deep limbs are toward the viewer for their width: "body=0.8,tail=1.2"; empty for what is usual. */
+  mry_str depths;
+  /** How far limbs of a pair stand apart, times what is usual, up to 10; 0 for 1. */
+  float spread;
+  /** Zero. */
+  uint32_t reserved0;
 } mry_creature_desc;
 
 /** What to export. Start from MRY_EXPORT_DESC_INIT; what, creature and path must be set. */
@@ -1385,6 +1776,173 @@ typedef struct mry_export_desc {
   /** Metres a world unit in glTF; 0 for 1. */
   float scale;
 } mry_export_desc;
+
+/** What a creature is to wear. Start from MRY_TEXTURE_DESC_INIT; creature must be set, and what `from` needs. */
+typedef struct mry_texture_desc {
+  /** sizeof(mry_texture_desc). */
+  uint32_t struct_size;
+  /** MRY_TEXTURE_FRAMES, ... */
+  int32_t from;
+  /** The creature. */
+  mry_creature creature;
+  /** With MRY_TEXTURE_FRAMES: the clip that the creature was made of. */
+  mry_clip clip;
+  /** With MRY_TEXTURE_FRAMES: its masks; or mask_clip. */
+  mry_masks masks;
+  /** The same as a clip of pictures that are bright where the creature is, such as the masks/ of its folder. */
+  mry_clip mask_clip;
+  /** With MRY_TEXTURE_FRAMES: the first frame that gives colours. */
+  uint64_t first_frame;
+  /** With MRY_TEXTURE_FRAMES: how many frames give colours; 0 for all from the first on. */
+  uint64_t frame_count;
+  /** With MRY_TEXTURE_CREATURE: the other creature. */
+  mry_creature source;
+  /** With MRY_TEXTURE_SIDE and MRY_TEXTURE_REPEATED: the picture, a file. */
+  mry_str picture;
+  /** With MRY_TEXTURE_REPEATED: how wide one piece is, in world units; 0 for the picture's pixels. */
+  float width;
+  /** Over so many world units the border of what is replaced runs from the old colours to the new ones. */
+  float soft;
+  /** Labels of the limbs that are replaced; NULL for all. */
+  const mry_str *limbs;
+  /** How many. */
+  size_t limb_count;
+  /**
+   * Of those, what lies where this picture, a file of the clip's size, is bright, as the creature is seen at rest; empty
+   * for all.
+   */
+  mry_str region;
+} mry_texture_desc;
+
+/** What a crowd is. */
+typedef struct mry_crowd_info {
+  /** sizeof(mry_crowd_info). */
+  uint32_t struct_size;
+  /** Pixels across of the clip that it stands in. */
+  uint32_t width;
+  /** Pixels down. */
+  uint32_t height;
+  /** How many different creatures there are. */
+  uint32_t creature_count;
+  /** How many instances there are. */
+  uint64_t instance_count;
+  /** How many frames. */
+  uint64_t frame_count;
+  /** Frames a second. */
+  double fps;
+} mry_crowd_info;
+
+/** A creature in a crowd. All zero but for the creature is the creature as it was filmed. */
+typedef struct mry_instance {
+  /** The creature. */
+  mry_creature creature;
+  /** Moved by x, y, z, in world units; z below 0 is behind the creature that was filmed. */
+  float at[3];
+  /** Turned about the vertical, in degrees: 90 turns a creature that looks right away from the viewer. */
+  float yaw;
+  /** Times its size, about the ground below its middle; 0 for 1. */
+  float scale;
+  /** MRY_PLAY_LOOP, ... */
+  int32_t play;
+  /** The frame of its motion in the crowd's first frame, whole or not. */
+  double start;
+  /** Times as fast; 0 for 1, below 0 backwards. */
+  double speed;
+} mry_instance;
+
+/** A crowd. */
+typedef struct mry_crowd {
+  /** The id; 0 is no crowd. */
+  uint64_t v;
+} mry_crowd;
+
+/** A camera. Start from MRY_CAMERA_INIT. */
+typedef struct mry_camera {
+  /** sizeof(mry_camera). */
+  uint32_t struct_size;
+  /** MRY_CAMERA_FITTED, ... */
+  int32_t kind;
+  /** Degrees around the target, to the right. */
+  float yaw;
+  /** Degrees above it; 90 looks straight down. */
+  float pitch;
+  /** Degrees between bottom and top; 0 to look in parallel. */
+  float fov;
+  /** With MRY_CAMERA_PLACED and fov: world units from the eye to the target. */
+  float distance;
+  /** With MRY_CAMERA_PLACED and no fov: world units that are as high as the picture. */
+  float height;
+  /** With MRY_CAMERA_PLACED: the place in the middle of the picture: x, y, z. */
+  float target[3];
+} mry_camera;
+
+/**
+ * What a picture is like. Start from MRY_RENDER_DESC_INIT; zero shows the creature's first frame and its textures on
+ * nothing, at the clip's size.
+ */
+typedef struct mry_render_desc {
+  /** sizeof(mry_render_desc). */
+  uint32_t struct_size;
+  /** Pixels across; 0 for the clip's. */
+  uint32_t width;
+  /** Pixels down; 0 for the clip's. */
+  uint32_t height;
+  /** MRY_STYLE_TEXTURED, ... */
+  int32_t style;
+  /** MRY_ADAPTER_AUTO, ... */
+  int32_t adapter;
+  /** 1 to draw without smooth edges; 0 for four samples a pixel. */
+  uint32_t hard_edges;
+  /** How dark the shadow on the floor is, 0 for none to 1. */
+  float shadow;
+  /** What lies behind: red, green, blue, alpha. */
+  uint8_t background[4];
+  /** The frame; of an animation the first. */
+  uint64_t frame;
+  /** From where; NULL for fitted from the front. */
+  const mry_camera *camera;
+  /** What stands in the picture; {0} for the creature alone. */
+  mry_crowd crowd;
+} mry_render_desc;
+
+/** What a rendered file is like. Start from MRY_RENDER_FILE_DESC_INIT; creature and path must be set. */
+typedef struct mry_render_file_desc {
+  /** sizeof(mry_render_file_desc). */
+  uint32_t struct_size;
+  /** 1 to show one frame all the time, 0 to let the creature move. */
+  uint32_t still;
+  /** The creature. */
+  mry_creature creature;
+  /** The file or folder. */
+  mry_str path;
+  /**
+   * "png", "png-dir", "sprite-sheet", "gif", "apng", "webp" or "mp4"; empty to go by the path's ending, where .png is one
+   * picture where there is one frame, else an animated PNG, and no ending a folder of PNG pictures.
+   */
+  mry_str format;
+  /** What the pictures are like; NULL for all zero. */
+  const mry_render_desc *picture;
+  /** How many pictures; 0 for as many as the animation has. */
+  uint64_t frame_count;
+  /** Pictures a second; 0 for the creature's. */
+  double fps;
+  /** How often the camera goes around, to the right: 1 is a turntable that closes. */
+  float turns;
+  /** With a clip: 1 to draw the crowd alone, on nothing, with what hides it cut out. */
+  uint32_t alone;
+  /**
+   * With a crowd: the clip to put it back into, seen as it was filmed; {0} for none. Size, camera, background, shadow,
+   * frame, still, frame_count, fps and turns are not looked at.
+   */
+  mry_clip clip;
+  /** With a clip: masks of who was filmed, who hides what is behind it (z below 0); {0} for none. */
+  mry_masks masks;
+  /**
+   * The same as a clip of pictures that are bright where who was filmed is, such as the masks/ of a creature's folder;
+   * {0} for none.
+   */
+  mry_clip mask_clip;
+} mry_render_file_desc;
 
 /** How a session is. */
 typedef struct mry_session_state {
@@ -2183,6 +2741,55 @@ mry_status mry_rig_get_stroke(mry_context *context,
                               size_t *out_count,
                               int32_t *out_facing,
                               mry_error *err);
+
+/**
+ * Says where a limb is in depth on a frame, which becomes a key frame; the limb need not be drawn there. It holds on
+ * that frame and fades toward the limb's key frames around it.
+ *
+ * @param context  The context.
+ * @param rig      The rig.
+ * @param limb     Its index.
+ * @param frame    The frame, counted from 0.
+ * @param said     MRY_SAID_DEPTH and MRY_SAID_BEND, or 0 to take back what was said.
+ * @param depth    How far its free part stands from where it would, in clip pixels toward the viewer.
+ * @param bend     How far its free end stands from where it is held, in clip pixels toward the viewer.
+ * @param err      Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_ARGUMENT (limb, said), MRY_E_NON_FINITE, MRY_E_LIMIT, MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_rig_set_depth(mry_context *context,
+                             mry_rig rig,
+                             uint32_t limb,
+                             uint64_t frame,
+                             uint32_t said,
+                             float depth,
+                             float bend,
+                             mry_error *err);
+
+/**
+ * Where a limb is said to be in depth on a frame.
+ *
+ * @param context    The context.
+ * @param rig        The rig.
+ * @param limb       Its index.
+ * @param frame      The frame.
+ * @param out_said   MRY_SAID_DEPTH and MRY_SAID_BEND; 0 where nothing is said.
+ * @param out_depth  As for mry_rig_set_depth, 0 where it is not said; or NULL.
+ * @param out_bend   As for mry_rig_set_depth, 0 where it is not said; or NULL.
+ * @param err        Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_ARGUMENT (limb), MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_rig_get_depth(mry_context *context,
+                             mry_rig rig,
+                             uint32_t limb,
+                             uint64_t frame,
+                             uint32_t *out_said,
+                             float *out_depth,
+                             float *out_bend,
+                             mry_error *err);
 
 /**
  * The key frames, rising.
@@ -3050,6 +3657,105 @@ mry_status mry_motion_from_paths(mry_context *context,
 /** @} */
 
 /**
+ * @defgroup motion_cycle Cycles and loops
+ *
+ * Cycles and loops. A gait comes back after a stride: how long it is, which limb is when, and a range of it closed into a
+ * loop that goes on from its last frame to its first without a visible seam.
+ * @{
+ */
+
+/**
+ * Fills in a cycle with struct_size set and everything else zero, for languages without the INIT macros.
+ *
+ * @param cycle  Where to write; NULL does nothing.
+ * @param size   sizeof(mry_cycle) as the caller knows it.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API void mry_cycle_init(mry_cycle *cycle, uint32_t size);
+
+/**
+ * Fills in a description with struct_size set and everything else zero, for languages without the INIT macros.
+ *
+ * @param desc  Where to write; NULL does nothing.
+ * @param size  sizeof(mry_loop_desc) as the caller knows it.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+void mry_loop_desc_init(mry_loop_desc *desc,
+                        uint32_t size);
+
+/**
+ * Fills in a seam with struct_size set and everything else zero, for languages without the INIT macros.
+ *
+ * @param seam  Where to write; NULL does nothing.
+ * @param size  sizeof(mry_seam) as the caller knows it.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API void mry_seam_init(mry_seam *seam, uint32_t size);
+
+/**
+ * Finds the cycle of a motion: after how many frames all of it moves the same way again.
+ *
+ * @param context    The context.
+ * @param motion     The motion.
+ * @param out_cycle  The cycle.
+ * @param err        Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_INPUT (it stands still or shows no cycle, no tracks), MRY_E_STRUCT_SIZE, MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_motion_find_cycle(mry_context *context,
+                                 mry_motion motion,
+                                 mry_cycle *out_cycle,
+                                 mry_error *err);
+
+/**
+ * When in the cycle of a motion each track's end is farthest along its swing, and how far it swings.
+ *
+ * @param context    The context.
+ * @param motion     The motion.
+ * @param phases     Where the phases go, 0..1 from the cycle's start, one a track; NULL to leave them out.
+ * @param swings     Where the swings go, pixels to either side of the middle; NULL to leave them out.
+ * @param capacity   Entries that each list has room for.
+ * @param out_count  How many there are: as many as tracks.
+ * @param err        Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_BUFFER_TOO_SMALL, and what mry_motion_find_cycle returns.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_motion_read_phases(mry_context *context,
+                                  mry_motion motion,
+                                  double *phases,
+                                  double *swings,
+                                  size_t capacity,
+                                  size_t *out_count,
+                                  mry_error *err);
+
+/**
+ * Closes a range of a motion into a loop: a motion whose first frame comes after its last.
+ *
+ * @param context     The context.
+ * @param motion      The motion.
+ * @param desc        How; NULL for one cycle in place.
+ * @param out_motion  The loop.
+ * @param out_seam    How it was closed; or NULL.
+ * @param err         Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_INPUT (no cycle, a range that the motion does not have, a fade or a rate out of range),
+ *         MRY_E_LIMIT (points of all frames), MRY_E_ARGUMENT, MRY_E_NON_FINITE, MRY_E_STRUCT_SIZE, MRY_E_BUSY.
+ * Lifetime: until mry_motion_destroy or the end of the context.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_motion_loop(mry_context *context,
+                           mry_motion motion,
+                           const mry_loop_desc *desc,
+                           mry_motion *out_motion,
+                           mry_seam *out_seam,
+                           mry_error *err);
+
+/** @} */
+
+/**
  * @defgroup advice Advice
  *
  * Advice. What a person should draw next, and what there is to say about tracking.
@@ -3748,6 +4454,305 @@ mry_status mry_creature_write_obj(mry_context *context,
                                   mry_creature creature,
                                   mry_str folder,
                                   mry_error *err);
+
+/** @} */
+
+/**
+ * @defgroup printing Printing
+ *
+ * Printing. A solid is one frame of a creature as a closed surface in millimetres, z up, standing on z = 0: without inner
+ * faces or holes, with thin parts made thick enough, and on a base where one is wanted. Every edge has two triangles
+ * whatever the creature; slicers have nothing to repair. Solids do not change.
+ * @{
+ */
+
+/**
+ * Fills in a description with struct_size set and everything else zero, for languages without the INIT macros.
+ *
+ * @param desc  Where to write; NULL does nothing.
+ * @param size  sizeof(mry_print_desc) as the caller knows it.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+void mry_print_desc_init(mry_print_desc *desc,
+                         uint32_t size);
+
+/**
+ * Fills in a struct with struct_size set and everything else zero, for languages without the INIT macros.
+ *
+ * @param info  Where to write; NULL does nothing.
+ * @param size  sizeof(mry_solid_info) as the caller knows it.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API void mry_solid_info_init(mry_solid_info *info, uint32_t size);
+
+/**
+ * Starts making a solid of one frame of a creature, and a file of it where desc.path is set, which appears whole or not
+ * at all. Gives a solid; mry_job_get_report says what was done and what a person should know of it.
+ *
+ * @param context  The context.
+ * @param desc     What to print.
+ * @param out_job  The job.
+ * @param err      Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_ARGUMENT (frame, size_kind, a length below 0, base, max_triangles), MRY_E_NON_FINITE, MRY_E_INPUT
+ *         (path ends in neither .stl nor .3mf), MRY_E_STRUCT_SIZE, MRY_E_STRING. The job itself ends with MRY_E_INPUT
+ *         where the print would be smaller than its thickness asks for, and MRY_E_LIMIT where the detail is too fine.
+ * Lifetime: until mry_job_destroy or the end of the context.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_job_start_print(mry_context *context,
+                               const mry_print_desc *desc,
+                               mry_job *out_job,
+                               mry_error *err);
+
+/**
+ * Makes a solid of one frame of a creature, and returns when it is done. Work that was started before comes first.
+ *
+ * @param context    The context.
+ * @param desc       What to print.
+ * @param out_solid  The solid.
+ * @param err        Detail of a failure, or NULL.
+ * @return MRY_OK; what mry_job_start_print and mry_job_wait return.
+ * Lifetime: until mry_solid_destroy or the end of the context.
+ * Thread: [outside-callbacks]. Since 0.1.
+ */
+MRY_API
+mry_status mry_run_print(mry_context *context,
+                         const mry_print_desc *desc,
+                         mry_solid *out_solid,
+                         mry_error *err);
+
+/**
+ * What a solid is, and what was done to make it.
+ *
+ * @param context   The context.
+ * @param solid     The solid.
+ * @param out_info  The answer.
+ * @param err       Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_STRUCT_SIZE.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_solid_get_info(mry_context *context,
+                              mry_solid solid,
+                              mry_solid_info *out_info,
+                              mry_error *err);
+
+/**
+ * A solid's vertices. Lists that are not wanted may be NULL.
+ *
+ * @param context    The context.
+ * @param solid      The solid.
+ * @param positions  x, y, z in mm for each vertex; or NULL.
+ * @param colours    Red, green, blue for each vertex, sRGB, from the creature's texture; or NULL.
+ * @param capacity   Vertices that fit in each list.
+ * @param out_count  How many there are.
+ * @param err        Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_ARGUMENT (capacity), MRY_E_BUFFER_TOO_SMALL.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_solid_read_vertices(mry_context *context,
+                                   mry_solid solid,
+                                   float *positions,
+                                   uint8_t *colours,
+                                   size_t capacity,
+                                   size_t *out_count,
+                                   mry_error *err);
+
+/**
+ * A solid's triangles, counter-clockwise seen from outside. Each edge belongs to two.
+ *
+ * @param context    The context.
+ * @param solid      The solid.
+ * @param indices    Three vertex indices for each triangle; NULL with capacity 0 to ask for the count.
+ * @param capacity   Triangles that fit.
+ * @param out_count  How many there are.
+ * @param err        Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_ARGUMENT (capacity), MRY_E_BUFFER_TOO_SMALL.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_solid_read_triangles(mry_context *context,
+                                    mry_solid solid,
+                                    uint32_t *indices,
+                                    size_t capacity,
+                                    size_t *out_count,
+                                    mry_error *err);
+
+/**
+ * Writes a solid to a file, which appears whole or not at all: binary STL, or 3MF with a colour for each vertex.
+ *
+ * @param context  The context.
+ * @param solid    The solid.
+ * @param path     The file, in a folder that exists; its name ends in .stl or .3mf.
+ * @param err      Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_IO, MRY_E_INPUT (another ending, no place for a file), MRY_E_STRING.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_solid_write(mry_context *context,
+                           mry_solid solid,
+                           mry_str path,
+                           mry_error *err);
+
+/**
+ * Destroys a solid.
+ *
+ * @param context  The context.
+ * @param solid    The solid; {0} is no error.
+ * @return MRY_OK.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API mry_status mry_solid_destroy(mry_context *context, mry_solid solid);
+
+/** @} */
+
+/**
+ * @defgroup reposing Reposing
+ *
+ * Reposing. A creature takes the pose of limbs that are drawn anew, moves from key pose to key pose, or follows any
+ * motion; its joints stay closed and its limbs within what they can do. What comes out is a creature like the one that
+ * went in, with frames of its own.
+ * @{
+ */
+
+/**
+ * Fills in a description with struct_size set and everything else zero, for languages without the INIT macros.
+ *
+ * @param desc  Where to write; NULL does nothing.
+ * @param size  sizeof(mry_repose_desc) as the caller knows it.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+void mry_repose_desc_init(mry_repose_desc *desc,
+                          uint32_t size);
+
+/**
+ * The bones of a creature in the pose of limbs that are drawn anew. A limb starts at the joint that holds it, wherever
+ * its stroke does; one that is not drawn keeps its rest pose against what it hangs from. Nothing else changes, which is
+ * what a drag of a limb asks for; mry_creature_repose makes a creature of poses.
+ *
+ * @param context     The context.
+ * @param creature    The creature.
+ * @param limbs       The limbs, at most one entry each.
+ * @param limb_count  How many.
+ * @param desc        Within what limits; NULL for the defaults.
+ * @param transforms  Where the bones go, one a bone; NULL with capacity 0 to ask for the count.
+ * @param capacity    Transforms that fit.
+ * @param out_count   Bones of the creature.
+ * @param err         Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_INPUT (a limb that the creature has not or that is drawn twice, a stroke that is none, a limit
+ *         out of range), MRY_E_ARGUMENT, MRY_E_NON_FINITE, MRY_E_STRING, MRY_E_STRUCT_SIZE, MRY_E_BUFFER_TOO_SMALL.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_creature_pose(mry_context *context,
+                             mry_creature creature,
+                             const mry_limb_pose *limbs,
+                             size_t limb_count,
+                             const mry_repose_desc *desc,
+                             mry_transform *transforms,
+                             size_t capacity,
+                             size_t *out_count,
+                             mry_error *err);
+
+/**
+ * A creature that moves from key pose to key pose: on the keys as drawn, between them by turning its bones, so that
+ * limbs keep their lengths.
+ *
+ * @param context       The context.
+ * @param creature      The creature, which stays as it is.
+ * @param poses         The text of a strokes.json whose key frames are the poses. Beyond limbs and strokes it may have
+ *                      "fps" and "step", and a key frame "easing": linear, in, out, inout or hold.
+ * @param desc          How; NULL for the defaults.
+ * @param out_creature  The creature in its new motion.
+ * @param err           Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_INPUT (text that is no strokes.json, what mry_creature_pose refuses, a picture of another
+ *         shape), MRY_E_LIMIT, MRY_E_ARGUMENT, MRY_E_NON_FINITE, MRY_E_STRING, MRY_E_STRUCT_SIZE.
+ * Lifetime: until mry_creature_destroy or the end of the context; the first creature may go before.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_creature_repose(mry_context *context,
+                               mry_creature creature,
+                               mry_str poses,
+                               const mry_repose_desc *desc,
+                               mry_creature *out_creature,
+                               mry_error *err);
+
+/**
+ * A creature that moves as a motion does: of its own clip, of another one, of a character, or captured.
+ *
+ * @param context       The context.
+ * @param creature      The creature, which stays as it is.
+ * @param motion        The motion.
+ * @param map           The text of a map.json that says which limb follows what: {"limbs": {"leg": {"tracks": ["hip",
+ *                      "knee", "foot"], "facing": "toward"}, "tail": {"tracks": ["tail"], "reversed": true}}}; a limb
+ *                      that it leaves out rests. Empty to match strokes by their names.
+ * @param desc          How; NULL for the defaults.
+ * @param out_creature  The creature in its new motion.
+ * @param err           Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_INPUT (nothing matches, a map that names what is not there, a limit out of range), MRY_E_LIMIT,
+ *         MRY_E_ARGUMENT, MRY_E_NON_FINITE, MRY_E_STRING, MRY_E_STRUCT_SIZE, MRY_E_BUSY.
+ * Lifetime: until mry_creature_destroy or the end of the context; the first creature and the motion may go before.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_creature_drive(mry_context *context,
+                              mry_creature creature,
+                              mry_motion motion,
+                              mry_str map,
+                              const mry_repose_desc *desc,
+                              mry_creature *out_creature,
+                              mry_error *err);
+
+/**
+ * Which limb of a creature follows what of a motion, as the text of a map.json that a person can correct.
+ *
+ * @param context   The context.
+ * @param creature  The creature.
+ * @param motion    The motion.
+ * @param map       The text of a map.json to check; empty to match by names.
+ * @param text      Where the text goes, UTF-8 with a NUL; NULL with capacity 0 to ask for the size.
+ * @param capacity  Bytes at text.
+ * @param out_size  Bytes needed, with the NUL.
+ * @param err       Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_BUFFER_TOO_SMALL, MRY_E_INPUT (as for mry_creature_drive), MRY_E_STRING, MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_creature_match(mry_context *context,
+                              mry_creature creature,
+                              mry_motion motion,
+                              mry_str map,
+                              char *text,
+                              size_t capacity,
+                              size_t *out_size,
+                              mry_error *err);
+
+/**
+ * How hard the animation pulls a creature's limbs, as JSON: a list with, for each limb, its label, its least and
+ * greatest length as shares of its length ("shortest", "longest"), the most that a bone turns against the one before it
+ * in degrees ("sharpest"), and how far it comes away from its joint in clip pixels ("gap").
+ *
+ * @param context   The context.
+ * @param creature  The creature.
+ * @param text      Where the text goes, UTF-8 with a NUL; NULL with capacity 0 to ask for the size.
+ * @param capacity  Bytes at text.
+ * @param out_size  Bytes needed, with the NUL.
+ * @param err       Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_BUFFER_TOO_SMALL.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_creature_get_strain(mry_context *context,
+                                   mry_creature creature,
+                                   char *text,
+                                   size_t capacity,
+                                   size_t *out_size,
+                                   mry_error *err);
 
 /** @} */
 
@@ -4733,6 +5738,132 @@ MRY_API mry_status mry_poses_destroy(mry_context *context, mry_poses poses);
 /** @} */
 
 /**
+ * @defgroup motion_shaping Motions made smoother, steadier on their feet, faster or slower
+ *
+ * Motions made smoother, steadier on their feet, faster or slower. Each gives a new motion; what was given stays.
+ * @{
+ */
+
+/**
+ * Fills in a description with struct_size set and everything else zero, for languages without the INIT macros.
+ *
+ * @param desc  Where to write; NULL does nothing.
+ * @param size  sizeof(mry_smooth_desc) as the caller knows it.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+void mry_smooth_desc_init(mry_smooth_desc *desc,
+                          uint32_t size);
+
+/**
+ * Fills in a description with struct_size set and everything else zero, for languages without the INIT macros.
+ *
+ * @param desc  Where to write; NULL does nothing.
+ * @param size  sizeof(mry_plant_desc) as the caller knows it.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+void mry_plant_desc_init(mry_plant_desc *desc,
+                         uint32_t size);
+
+/**
+ * Fills in a description with struct_size set and everything else zero, for languages without the INIT macros.
+ *
+ * @param desc  Where to write; NULL does nothing.
+ * @param size  sizeof(mry_retime_desc) as the caller knows it.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+void mry_retime_desc_init(mry_retime_desc *desc,
+                          uint32_t size);
+
+/**
+ * Takes the jitter out of a motion. Key frames stay as they are, and where a track is trusted it stays nearer.
+ *
+ * @param context     The context.
+ * @param motion      The motion.
+ * @param desc        How; NULL for the defaults.
+ * @param out_motion  The smooth motion.
+ * @param err         Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_INPUT (a period out of range, a frame beyond the end, no tracks), MRY_E_ARGUMENT,
+ *         MRY_E_NON_FINITE, MRY_E_LIMIT, MRY_E_STRUCT_SIZE, MRY_E_BUSY.
+ * Lifetime: until mry_motion_destroy or the end of the context.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_motion_smooth(mry_context *context,
+                             mry_motion motion,
+                             const mry_smooth_desc *desc,
+                             mry_motion *out_motion,
+                             mry_error *err);
+
+/**
+ * Keeps the feet of a motion where they come down: while a foot is low and goes with the ground it goes as the ground
+ * does, and its limb, which keeps its lengths, reaches for it.
+ *
+ * @param context     The context.
+ * @param motion      The motion.
+ * @param desc        How; NULL for the defaults.
+ * @param out_motion  The motion with planted feet.
+ * @param err         Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_INPUT (a foot that is no track or has nothing to bend, no feet, an ease out of range),
+ *         MRY_E_ARGUMENT, MRY_E_NON_FINITE, MRY_E_LIMIT, MRY_E_STRING, MRY_E_STRUCT_SIZE, MRY_E_BUSY.
+ * Lifetime: until mry_motion_destroy or the end of the context.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_motion_plant(mry_context *context,
+                            mry_motion motion,
+                            const mry_plant_desc *desc,
+                            mry_motion *out_motion,
+                            mry_error *err);
+
+/**
+ * When the feet of a motion are down, and how they slide, as JSON: `{"ground": [x, y], "feet": [{"track": "fore_near",
+ * "spans": [[first, last], ...], "slide": [before, after]}, ...]}`, the ground's way and slides in pixels a frame.
+ *
+ * @param context   The context.
+ * @param motion    The motion.
+ * @param desc      How feet would be planted; NULL for the defaults.
+ * @param text      Where the text goes, UTF-8 with a NUL; NULL with capacity 0 to ask for the size.
+ * @param capacity  Bytes at text.
+ * @param out_size  Bytes needed, with the NUL.
+ * @param err       Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_BUFFER_TOO_SMALL, and what mry_motion_plant returns.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_motion_get_contacts(mry_context *context,
+                                   mry_motion motion,
+                                   const mry_plant_desc *desc,
+                                   char *text,
+                                   size_t capacity,
+                                   size_t *out_size,
+                                   mry_error *err);
+
+/**
+ * Gives a motion another time: faster, longer, at another rate, backwards, there and back, on twos, or by keys.
+ *
+ * @param context     The context.
+ * @param motion      The motion.
+ * @param desc        How; NULL for a copy.
+ * @param out_motion  The motion at its new time.
+ * @param err         Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_INPUT (a speed, time or rate below 0, keys out of order or outside the motion), MRY_E_LIMIT
+ *         (points of all frames), MRY_E_ARGUMENT, MRY_E_NON_FINITE, MRY_E_STRUCT_SIZE, MRY_E_BUSY.
+ * Lifetime: until mry_motion_destroy or the end of the context.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_motion_retime(mry_context *context,
+                             mry_motion motion,
+                             const mry_retime_desc *desc,
+                             mry_motion *out_motion,
+                             mry_error *err);
+
+/** @} */
+
+/**
  * @defgroup retargeting Retargeting
  *
  * Retargeting. Any motion moves any character: its joints follow tracks by a map, by their names, or, where neither says
@@ -4837,6 +5968,75 @@ mry_status mry_motion_write_bvh(mry_context *context,
                                 mry_motion motion,
                                 mry_str path,
                                 mry_error *err);
+
+/** @} */
+
+/**
+ * @defgroup limb_mapping Limb maps
+ *
+ * Limb maps. Any motion moves the limbs of any creature: another clip's limbs, a character's joints, motion capture. Each
+ * limb follows a stroke or a chain of joints, by a map that a person can correct, and keeps its own lengths and its own
+ * bearing.
+ * @{
+ */
+
+/**
+ * Fills in a description with struct_size set and everything else zero, for languages without the INIT macros.
+ *
+ * @param desc  Where to write; NULL does nothing.
+ * @param size  sizeof(mry_limb_map_desc) as the caller knows it.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+void mry_limb_map_desc_init(mry_limb_map_desc *desc,
+                            uint32_t size);
+
+/**
+ * Carries a motion over to the limbs of a creature: a motion with a stroke for each of them, under its label.
+ *
+ * @param context     The context.
+ * @param motion      The motion: strokes, or joints with bones.
+ * @param creature    The creature's own motion, whose strokes are its limbs.
+ * @param desc        How; NULL for the defaults.
+ * @param out_motion  The motion of the creature's limbs, in its clip's pixels.
+ * @param err         Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_INPUT (nothing matches, a map that names what is not there, a frame beyond the end, a factor
+ *         out of range), MRY_E_ARGUMENT, MRY_E_NON_FINITE, MRY_E_STRING, MRY_E_STRUCT_SIZE, MRY_E_BUSY.
+ * Lifetime: until mry_motion_destroy or the end of the context.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_motion_map_limbs(mry_context *context,
+                                mry_motion motion,
+                                mry_motion creature,
+                                const mry_limb_map_desc *desc,
+                                mry_motion *out_motion,
+                                mry_error *err);
+
+/**
+ * Which limb of a creature follows what of a motion, as the text of a limb map that a person can correct: `{"format":
+ * "marey-limb-map", "version": 1, "limbs": {"fore_near": {"tracks": ["LeftArm", "LeftForeArm"], "reversed": false}}}`.
+ *
+ * @param context   The context.
+ * @param motion    The motion.
+ * @param creature  The creature's own motion.
+ * @param desc      How; NULL for the defaults.
+ * @param text      Where the text goes, UTF-8 with a NUL; NULL with capacity 0 to ask for the size.
+ * @param capacity  Bytes at text.
+ * @param out_size  Bytes needed, with the NUL.
+ * @param err       Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_BUFFER_TOO_SMALL, and what mry_motion_map_limbs returns.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_motion_match_limbs(mry_context *context,
+                                  mry_motion motion,
+                                  mry_motion creature,
+                                  const mry_limb_map_desc *desc,
+                                  char *text,
+                                  size_t capacity,
+                                  size_t *out_size,
+                                  mry_error *err);
 
 /** @} */
 
@@ -6339,7 +7539,24 @@ mry_status mry_job_take_sketch_take(mry_context *context,
                                     mry_error *err);
 
 /**
- * What a bind, sketch take, take file or sketch file job says of its work, as JSON: the files, warnings, how far points are to be
+ * Takes the solid that a print job made; once.
+ *
+ * @param context    The context.
+ * @param job        The job.
+ * @param out_solid  The solid.
+ * @param err        Detail of the job's or the call's failure, or NULL.
+ * @return MRY_OK; MRY_PENDING and MRY_CANCELLED (no output), the error the job ended with, MRY_E_TAKEN, MRY_E_KIND.
+ * Lifetime: until mry_solid_destroy or the end of the context; the job may go before.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_job_take_solid(mry_context *context,
+                              mry_job job,
+                              mry_solid *out_solid,
+                              mry_error *err);
+
+/**
+ * What a bind, sketch take, print, take file or sketch file job says of its work, as JSON: the files, warnings, how far points are to be
  * trusted. It can be asked for again.
  *
  * @param context   The context.
@@ -6874,6 +8091,351 @@ mry_status mry_job_start_export(mry_context *context,
 MRY_API
 mry_status mry_run_export(mry_context *context,
                           const mry_export_desc *desc,
+                          mry_error *err);
+
+/** @} */
+
+/**
+ * @defgroup texturing Textures
+ *
+ * Textures. What a creature wears: its textures out and in as pictures that a person paints on, and textures taken from
+ * other frames, another creature, a picture or a material.
+ * @{
+ */
+
+/**
+ * Fills in a description with struct_size set and everything else zero, for languages without the INIT macros.
+ *
+ * @param desc  Where to write; NULL does nothing.
+ * @param size  sizeof(mry_texture_desc) as the caller knows it.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+void mry_texture_desc_init(mry_texture_desc *desc,
+                           uint32_t size);
+
+/**
+ * Starts giving a creature other textures. Gives a creature, which mry_job_take_creature takes; the one it came from
+ * stays as it is.
+ *
+ * @param context  The context.
+ * @param desc     What it is to wear.
+ * @param out_job  The job.
+ * @param err      Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_ARGUMENT (from, frames), MRY_E_NON_FINITE, MRY_E_STRUCT_SIZE, MRY_E_STRING.
+ * Lifetime: until mry_job_destroy or the end of the context.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_job_start_texture(mry_context *context,
+                                 const mry_texture_desc *desc,
+                                 mry_job *out_job,
+                                 mry_error *err);
+
+/**
+ * Gives a creature other textures, and returns when it is done. Work that was started before comes first.
+ *
+ * @param context       The context.
+ * @param desc          What it is to wear.
+ * @param out_creature  The creature that wears it.
+ * @param err           Detail of a failure, or NULL.
+ * @return MRY_OK; what mry_job_start_texture and mry_job_wait return; MRY_E_INPUT (a label that no limb has, a picture or
+ *         a region of another size), MRY_E_NO_FILE, MRY_E_IO.
+ * Lifetime: until mry_creature_destroy or the end of the context.
+ * Thread: [outside-callbacks]. Since 0.1.
+ */
+MRY_API
+mry_status mry_run_texture(mry_context *context,
+                           const mry_texture_desc *desc,
+                           mry_creature *out_creature,
+                           mry_error *err);
+
+/**
+ * Writes the textures of all parts into a folder as PNG pictures, named after the parts: all files or none.
+ *
+ * @param context   The context.
+ * @param creature  The creature.
+ * @param folder    The folder; it is made where it is not there.
+ * @param err       Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_IO, MRY_E_INPUT (no place for a file), MRY_E_STRING.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_creature_write_textures(mry_context *context,
+                                       mry_creature creature,
+                                       mry_str folder,
+                                       mry_error *err);
+
+/**
+ * A creature with the textures that are in a folder, as mry_creature_write_textures names them: painted on, larger or
+ * smaller, clear where the old texture is to stay. Parts without a picture keep theirs.
+ *
+ * @param context       The context.
+ * @param creature      The creature.
+ * @param folder        The folder.
+ * @param out_creature  The creature with these textures; the one it came from stays as it is.
+ * @param err           Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_IO, MRY_E_INPUT (no such picture, one of other proportions), MRY_E_LIMIT, MRY_E_STRING.
+ * Lifetime: until mry_creature_destroy or the end of the context.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_creature_read_textures(mry_context *context,
+                                      mry_creature creature,
+                                      mry_str folder,
+                                      mry_creature *out_creature,
+                                      mry_error *err);
+
+/** @} */
+
+/**
+ * @defgroup crowd Crowds
+ *
+ * Crowds. Creatures many times over, each instance at its own place, turn, size and moment: drawn into pictures and
+ * files, put back into the clip that they were filmed in, or written as one glTF file. Crowds do not change.
+ * @{
+ */
+
+/**
+ * Fills in a crowd info with struct_size set and everything else zero, for languages without the INIT macros.
+ *
+ * @param info  Where to write; NULL does nothing.
+ * @param size  sizeof(mry_crowd_info) as the caller knows it.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API void mry_crowd_info_init(mry_crowd_info *info, uint32_t size);
+
+/**
+ * Makes a crowd of these instances.
+ *
+ * @param context      The context.
+ * @param instances    Who stands where.
+ * @param count        How many.
+ * @param frame_count  How many frames; 0 for those of the longest creature.
+ * @param fps          Frames a second; 0 for those of the first instance's creature.
+ * @param out_crowd    The crowd.
+ * @param err          Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_INPUT (no instance, a place, size or time that is none), MRY_E_ARGUMENT (play),
+ *         MRY_E_LIMIT.
+ * Lifetime: until mry_crowd_destroy or the end of the context; the creatures may go before.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_crowd_create(mry_context *context,
+                            const mry_instance *instances,
+                            size_t count,
+                            uint64_t frame_count,
+                            double fps,
+                            mry_crowd *out_crowd,
+                            mry_error *err);
+
+/**
+ * Makes a herd: a creature many times over, in rows behind one another, each at another moment of its motion.
+ *
+ * @param context      The context.
+ * @param creature     The creature.
+ * @param count        How many of it.
+ * @param frame_count  How many frames; 0 for the creature's.
+ * @param out_crowd    The crowd.
+ * @param err          Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_INPUT (none of it, a creature without frames), MRY_E_LIMIT.
+ * Lifetime: until mry_crowd_destroy or the end of the context; the creature may go before.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_crowd_create_herd(mry_context *context,
+                                 mry_creature creature,
+                                 uint32_t count,
+                                 uint64_t frame_count,
+                                 mry_crowd *out_crowd,
+                                 mry_error *err);
+
+/**
+ * Reads a crowd from a file and opens its creatures:
+ * {"format": "marey-crowd", "version": 1, "creatures": ["fox/creature.glb"], "frames": 60, "instances":
+ * [{"creature": 0, "at": [120, 0, -80], "yaw": 180, "scale": 0.8, "start": 12, "speed": 1, "loop": true}]}.
+ * Paths are relative to the file; size, fps and frames may be left out, and all of an instance but its creature.
+ *
+ * @param context    The context.
+ * @param path       The file.
+ * @param out_crowd  The crowd.
+ * @param err        Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_NO_FILE, MRY_E_IO, MRY_E_INPUT, MRY_E_LIMIT, MRY_E_STRING.
+ * Lifetime: until mry_crowd_destroy or the end of the context.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_crowd_read(mry_context *context,
+                          mry_str path,
+                          mry_crowd *out_crowd,
+                          mry_error *err);
+
+/**
+ * What a crowd is: counts, frames, rate.
+ *
+ * @param context   The context.
+ * @param crowd     The crowd.
+ * @param out_info  The answer; its struct_size must be set.
+ * @param err       Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_STRUCT_SIZE.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_crowd_get_info(mry_context *context,
+                              mry_crowd crowd,
+                              mry_crowd_info *out_info,
+                              mry_error *err);
+
+/**
+ * Writes a crowd as one glTF 2.0 binary: each creature's meshes and textures once, a skeleton and a stretch of motion
+ * for every instance. The file appears whole or not at all.
+ *
+ * @param context  The context.
+ * @param crowd    The crowd.
+ * @param path     The file, in a folder that exists.
+ * @param scale    Metres a world unit; 0 for 1.
+ * @param err      Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_IO, MRY_E_INPUT (no place for a file), MRY_E_LIMIT, MRY_E_ARGUMENT, MRY_E_NON_FINITE,
+ *         MRY_E_STRING.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_crowd_write_glb(mry_context *context,
+                               mry_crowd crowd,
+                               mry_str path,
+                               float scale,
+                               mry_error *err);
+
+/**
+ * Destroys a crowd.
+ *
+ * @param context  The context.
+ * @param crowd    The crowd; {0} is no error.
+ * @return MRY_OK.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API mry_status mry_crowd_destroy(mry_context *context, mry_crowd crowd);
+
+/** @} */
+
+/**
+ * @defgroup rendering Rendering
+ *
+ * Rendering. Pictures of creatures and crowds from any side, and animations of them, drawn on a GPU or without one. Yaw is degrees to the right around what is looked
+ * at, pitch degrees from above.
+ *
+ * A context opens a GPU when it is first needed, which may take a good part of a second, and keeps it; one that is lost
+ * is opened anew by the next call.
+ * @{
+ */
+
+/**
+ * Fills in a camera with struct_size set and everything else zero, for languages without the INIT macros.
+ *
+ * @param camera  Where to write; NULL does nothing.
+ * @param size    sizeof(mry_camera) as the caller knows it.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API void mry_camera_init(mry_camera *camera, uint32_t size);
+
+/**
+ * Fills in a description with struct_size set and everything else zero, for languages without the INIT macros.
+ *
+ * @param desc  Where to write; NULL does nothing.
+ * @param size  sizeof(mry_render_desc) as the caller knows it.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+void mry_render_desc_init(mry_render_desc *desc,
+                          uint32_t size);
+
+/**
+ * Fills in a description with struct_size set and everything else zero, for languages without the INIT macros.
+ *
+ * @param desc  Where to write; NULL does nothing.
+ * @param size  sizeof(mry_render_file_desc) as the caller knows it.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+void mry_render_file_desc_init(mry_render_file_desc *desc,
+                               uint32_t size);
+
+/**
+ * Who draws for this choice of adapter, such as "NVIDIA H100 (vulkan)" or "CPU". Opens a GPU that was not needed before.
+ *
+ * @param context   The context.
+ * @param adapter   MRY_ADAPTER_AUTO, ...
+ * @param text      Where the text goes, UTF-8 with a NUL; NULL with capacity 0 to ask for the size.
+ * @param capacity  Bytes at text.
+ * @param out_size  Bytes needed, with the NUL.
+ * @param err       Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_ARGUMENT (adapter), MRY_E_GPU, MRY_E_BUFFER_TOO_SMALL.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_context_get_renderer(mry_context *context,
+                                    int32_t adapter,
+                                    char *text,
+                                    size_t capacity,
+                                    size_t *out_size,
+                                    mry_error *err);
+
+/**
+ * Draws a picture of a creature: RGBA, 8 bits a channel, sRGB, rows from the top without gaps; colours are not multiplied
+ * by alpha.
+ *
+ * @param context    The context.
+ * @param creature   The creature.
+ * @param desc       What the picture is like; NULL for all zero.
+ * @param pixels     Where the rows go; NULL with capacity 0 to ask for the size, for which nothing is drawn.
+ * @param capacity   Bytes at pixels.
+ * @param out_count  Bytes needed: 4 * width * height.
+ * @param err        Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_BUFFER_TOO_SMALL, MRY_E_ARGUMENT (style, adapter, hard_edges, camera, frame), MRY_E_NON_FINITE,
+ *         MRY_E_INPUT (the size, the shadow, more than the GPU draws), MRY_E_LIMIT, MRY_E_GPU, MRY_E_STRUCT_SIZE.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_creature_render(mry_context *context,
+                               mry_creature creature,
+                               const mry_render_desc *desc,
+                               uint8_t *pixels,
+                               size_t capacity,
+                               size_t *out_count,
+                               mry_error *err);
+
+/**
+ * Starts drawing a creature into a file: a picture, an animation, or both with the camera going around. The file or
+ * folder appears whole or not at all. There is nothing to take; mry_job_get_report names the files and who drew.
+ *
+ * @param context  The context.
+ * @param desc     What to draw, and where to.
+ * @param out_job  The job.
+ * @param err      Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_ARGUMENT (still, path, and as mry_creature_render), MRY_E_INPUT (no such format),
+ *         MRY_E_NON_FINITE, MRY_E_LIMIT, MRY_E_GPU, MRY_E_STRUCT_SIZE, MRY_E_STRING.
+ * Lifetime: until mry_job_destroy or the end of the context.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_job_start_render(mry_context *context,
+                                const mry_render_file_desc *desc,
+                                mry_job *out_job,
+                                mry_error *err);
+
+/**
+ * Draws a creature into a file, and returns when it is done. Work that was started before comes first.
+ *
+ * @param context  The context.
+ * @param desc     What to draw, and where to.
+ * @param err      Detail of a failure, or NULL.
+ * @return MRY_OK; what mry_job_start_render and mry_job_wait return; MRY_E_INPUT (the size, the shadow, what the format
+ *         cannot hold), MRY_E_IO.
+ * Thread: [outside-callbacks]. Since 0.1.
+ */
+MRY_API
+mry_status mry_run_render(mry_context *context,
+                          const mry_render_file_desc *desc,
                           mry_error *err);
 
 /** @} */
@@ -7531,6 +9093,31 @@ mry_status mry_session_set_stroke(mry_context *context,
                                   size_t point_count,
                                   int32_t facing,
                                   mry_error *err);
+
+/**
+ * Says where a limb is in depth on a frame, or takes back what was said: see mry_rig_set_depth.
+ *
+ * @param context  The context.
+ * @param session  The session.
+ * @param limb     Its index.
+ * @param frame    The frame, counted from 0.
+ * @param said     MRY_SAID_DEPTH and MRY_SAID_BEND, or 0 to take back what was said.
+ * @param depth    How far its free part stands from where it would, in clip pixels toward the viewer.
+ * @param bend     How far its free end stands from where it is held, in clip pixels toward the viewer.
+ * @param err      Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_INPUT (too far from the image plane, or the session is read-only), MRY_E_ARGUMENT (limb, frame,
+ *         said), MRY_E_NON_FINITE, MRY_E_IO, MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_session_set_depth(mry_context *context,
+                                 mry_session session,
+                                 uint32_t limb,
+                                 uint64_t frame,
+                                 uint32_t said,
+                                 float depth,
+                                 float bend,
+                                 mry_error *err);
 
 /**
  * Takes a limb's stroke off a frame.

@@ -640,6 +640,57 @@ public:
   }
 };
 
+/** One frame of a creature as a closed surface in millimetres, z up. */
+class solid : public detail::handle<mry_solid, mry_solid_destroy> {
+public:
+  using handle::handle;
+
+  /** What it is, and what was done to make it. */
+  result<mry_solid_info> info() const {
+    mry_solid_info info = MRY_SOLID_INFO_INIT;
+    return detail::perform([&](mry_error *err) { return mry_solid_get_info(c(), id_, &info, err); },
+                           [&] { return info; });
+  }
+  /** x, y, z of each vertex, in mm, and its red, green, blue. */
+  struct vertices {
+    std::vector<float> positions;
+    std::vector<std::uint8_t> colours;
+  };
+  /** Its vertices. */
+  result<vertices> read_vertices() const {
+    vertices read{};
+    const auto call = [&](mry_error *err) {
+      std::size_t count = 0;
+      const mry_status status = mry_solid_read_vertices(c(), id_, nullptr, nullptr, 0, &count, err);
+      if (status != MRY_OK && status != MRY_E_BUFFER_TOO_SMALL) {
+        return status;
+      }
+      read.positions.resize(3 * count);
+      read.colours.resize(3 * count);
+      return mry_solid_read_vertices(c(), id_, read.positions.data(), read.colours.data(), count, &count, err);
+    };
+    return detail::perform(call, [&] { return std::move(read); });
+  }
+  /** Three vertices for each triangle, counter-clockwise seen from outside. */
+  result<std::vector<std::uint32_t>> read_triangles() const {
+    std::vector<std::uint32_t> read;
+    const auto call = [&](mry_error *err) {
+      std::size_t count = 0;
+      const mry_status status = mry_solid_read_triangles(c(), id_, nullptr, 0, &count, err);
+      if (status != MRY_OK && status != MRY_E_BUFFER_TOO_SMALL) {
+        return status;
+      }
+      read.resize(3 * count);
+      return mry_solid_read_triangles(c(), id_, read.data(), count, &count, err);
+    };
+    return detail::perform(call, [&] { return std::move(read); });
+  }
+  /** Writes it as .stl or .3mf, whole or not at all. */
+  result<void> write(std::string_view path) const {
+    return detail::perform([&](mry_error *err) { return mry_solid_write(c(), id_, detail::str(path), err); });
+  }
+};
+
 /** What a person draws on a clip. */
 class rig : public detail::handle<mry_rig, mry_rig_destroy> {
 public:
@@ -663,6 +714,11 @@ public:
     return detail::text([&](char *text, std::size_t capacity, std::size_t *size, mry_error *err) {
       return mry_rig_get_limb(c(), id_, limb, text, capacity, size, nullptr, err);
     });
+  }
+  /** Says where a limb is in depth on a frame: MRY_SAID_DEPTH and MRY_SAID_BEND, or 0 to take it back. */
+  result<void> set_depth(std::uint32_t limb, std::uint64_t frame, std::uint32_t said, float depth, float bend) {
+    return detail::perform(
+      [&](mry_error *err) { return mry_rig_set_depth(c(), id_, limb, frame, said, depth, bend, err); });
   }
   /** Draws a limb on a frame, instead of what was drawn of it there before. */
   result<void> set_stroke(std::uint32_t limb, std::uint64_t frame, const std::vector<mry_point> &points,
@@ -833,6 +889,71 @@ public:
   result<void> remove_bone(std::uint32_t bone) {
     return detail::perform([&](mry_error *err) { return mry_motion_remove_bone(c(), id_, bone, err); });
   }
+  /** After how many frames all of it moves the same way again. */
+  result<mry_cycle> find_cycle() const {
+    mry_cycle cycle = MRY_CYCLE_INIT;
+    return detail::perform([&](mry_error *err) { return mry_motion_find_cycle(c(), id_, &cycle, err); },
+                           [&] { return cycle; });
+  }
+  /** When in its cycle each track's end is farthest along its swing, and how many pixels it swings. */
+  result<std::vector<std::pair<double, double>>> phases() const {
+    std::vector<double> phases, swings;
+    std::size_t count = 0;
+    const auto read = [&](mry_error *err) {
+      const mry_status status = mry_motion_read_phases(c(), id_, nullptr, nullptr, 0, &count, err);
+      if (status != MRY_OK) {
+        return status;
+      }
+      phases.resize(count);
+      swings.resize(count);
+      return mry_motion_read_phases(c(), id_, phases.data(), swings.data(), count, &count, err);
+    };
+    return detail::perform(read, [&] {
+      std::vector<std::pair<double, double>> both(count);
+      for (std::size_t i = 0; i < count; i++) {
+        both[i] = { phases[i], swings[i] };
+      }
+      return both;
+    });
+  }
+  /** A range of it closed into a loop; `seam`, where it is given, says how. */
+  result<motion> close_loop(const mry_loop_desc &how, mry_seam *seam = nullptr) const {
+    return other<motion, mry_motion>(
+      [&](mry_motion *id, mry_error *err) { return mry_motion_loop(c(), id_, &how, id, seam, err); });
+  }
+  /** Without jitter, through its key frames. */
+  result<motion> smooth(const mry_smooth_desc &how) const {
+    return other<motion, mry_motion>(
+      [&](mry_motion *id, mry_error *err) { return mry_motion_smooth(c(), id_, &how, id, err); });
+  }
+  /** With feet that stay where they come down. */
+  result<motion> plant(const mry_plant_desc &how) const {
+    return other<motion, mry_motion>(
+      [&](mry_motion *id, mry_error *err) { return mry_motion_plant(c(), id_, &how, id, err); });
+  }
+  /** When feet are down and how they slide, as JSON. */
+  result<std::string> contacts(const mry_plant_desc &how) const {
+    return detail::text([&](char *text, std::size_t capacity, std::size_t *size, mry_error *err) {
+      return mry_motion_get_contacts(c(), id_, &how, text, capacity, size, err);
+    });
+  }
+  /** At another time. */
+  result<motion> retime(const mry_retime_desc &how) const {
+    return other<motion, mry_motion>(
+      [&](mry_motion *id, mry_error *err) { return mry_motion_retime(c(), id_, &how, id, err); });
+  }
+  /** On the limbs of the creature whose own motion is given. */
+  result<motion> map_limbs(const motion &creature, const mry_limb_map_desc &how) const {
+    return other<motion, mry_motion>([&](mry_motion *id, mry_error *err) {
+      return mry_motion_map_limbs(c(), id_, creature.id(), &how, id, err);
+    });
+  }
+  /** Which of the creature's limbs follows what, as the text of a limb map. */
+  result<std::string> match_limbs(const motion &creature, const mry_limb_map_desc &how) const {
+    return detail::text([&](char *text, std::size_t capacity, std::size_t *size, mry_error *err) {
+      return mry_motion_match_limbs(c(), id_, creature.id(), &how, text, capacity, size, err);
+    });
+  }
   /** The text of a motion.json. */
   result<std::string> to_json() const {
     return detail::text([&](char *text, std::size_t capacity, std::size_t *size, mry_error *err) {
@@ -873,6 +994,34 @@ public:
   /** Writes 00000.png, ... and a report, whole or not at all. */
   result<void> write(std::string_view folder) const {
     return detail::perform([&](mry_error *err) { return mry_masks_write_folder(c(), id_, detail::str(folder), err); });
+  }
+};
+
+/** How a creature is posed. */
+struct reposing {
+  /** MRY_LENGTHS_DEFAULT, ... */
+  std::int32_t lengths = MRY_LENGTHS_DEFAULT;
+  /** A limb gets at most this many times its length; 0 for 1.25. */
+  float stretch = 0.0f;
+  /** For motions: what the way of the roots is scaled by; 0 for the ratio of the limbs' lengths. */
+  float root_scale = 0.0f;
+  /** For motions: whether the roots stay where they are. */
+  bool in_place = false;
+  /** For motions: whether left and right change places. */
+  bool mirror = false;
+  /** For key poses: how many frames to make; 0 for up to the last key. */
+  std::uint64_t frames = 0;
+
+  /** The description for the C library. */
+  mry_repose_desc desc() const {
+    mry_repose_desc desc = MRY_REPOSE_DESC_INIT;
+    desc.lengths = lengths;
+    desc.stretch = stretch;
+    desc.root_scale = root_scale;
+    desc.in_place = in_place ? 1u : 0u;
+    desc.mirror = mirror ? 1u : 0u;
+    desc.frames = frames;
+    return desc;
   }
 };
 
@@ -936,6 +1085,40 @@ public:
         return mry_creature_read_pose(c(), id_, frame, transforms, capacity, count, err);
       });
   }
+  /** All bones in the pose of limbs that are drawn anew. */
+  result<std::vector<mry_transform>> pose_along(const std::vector<mry_limb_pose> &limbs, const reposing &how = {}) const {
+    const mry_repose_desc desc = how.desc();
+    return detail::list<mry_transform>(
+      [&](mry_transform *transforms, std::size_t capacity, std::size_t *count, mry_error *err) {
+        return mry_creature_pose(c(), id_, limbs.data(), limbs.size(), &desc, transforms, capacity, count, err);
+      });
+  }
+  /** The creature moving from key pose to key pose: the text of a strokes.json. */
+  result<creature> repose(std::string_view poses, const reposing &how = {}) const {
+    const mry_repose_desc desc = how.desc();
+    return other<creature, mry_creature>([&](mry_creature *id, mry_error *err) {
+      return mry_creature_repose(c(), id_, detail::str(poses), &desc, id, err);
+    });
+  }
+  /** The creature moving as a motion does; the text of a map.json says which limb follows what, or names do. */
+  result<creature> drive(const marey::motion &motion, std::string_view map = {}, const reposing &how = {}) const {
+    const mry_repose_desc desc = how.desc();
+    return other<creature, mry_creature>([&](mry_creature *id, mry_error *err) {
+      return mry_creature_drive(c(), id_, motion.id(), detail::str(map), &desc, id, err);
+    });
+  }
+  /** Which limb follows what of a motion, as the text of a map.json. */
+  result<std::string> matched(const marey::motion &motion, std::string_view map = {}) const {
+    return detail::text([&](char *text, std::size_t capacity, std::size_t *size, mry_error *err) {
+      return mry_creature_match(c(), id_, motion.id(), detail::str(map), text, capacity, size, err);
+    });
+  }
+  /** How hard the animation pulls the limbs, as JSON. */
+  result<std::string> strain() const {
+    return detail::text([&](char *text, std::size_t capacity, std::size_t *size, mry_error *err) {
+      return mry_creature_get_strain(c(), id_, text, capacity, size, err);
+    });
+  }
   /** A part's surface in one frame, or in MRY_REST_POSE, without a copy. */
   result<mesh_map> map_part(std::uint32_t part, std::uint64_t frame) const {
     mry_mesh_view view = MRY_MESH_VIEW_INIT;
@@ -962,6 +1145,40 @@ public:
     return detail::perform([&](mry_error *err) {
       return mry_creature_write_folder(c(), id_, detail::str(folder), obj ? 1u : 0u, scale, err);
     });
+  }
+  /** A picture: RGBA, rows from the top, colours not multiplied by alpha. */
+  result<std::vector<std::uint8_t>> render(const mry_render_desc &desc) const {
+    return detail::list<std::uint8_t>(
+      [&](std::uint8_t *pixels, std::size_t capacity, std::size_t *count, mry_error *err) {
+        return mry_creature_render(c(), id_, &desc, pixels, capacity, count, err);
+      });
+  }
+  /** Draws pictures over time into a file, whole or not at all; with turns the camera goes around. */
+  result<void> write_film(std::string_view path, const mry_render_desc &desc, float turns = 0.0f) const {
+    mry_render_file_desc file = MRY_RENDER_FILE_DESC_INIT;
+    file.creature = id_;
+    file.path = detail::str(path);
+    file.picture = &desc;
+    file.turns = turns;
+    return detail::perform([&](mry_error *err) { return mry_run_render(c(), &file, err); });
+  }
+};
+
+/** Creatures many times over, each at its own place and time. */
+class crowd : public detail::handle<mry_crowd, mry_crowd_destroy> {
+public:
+  using handle::handle;
+
+  /** Counts, frames, rate. */
+  result<mry_crowd_info> info() const {
+    mry_crowd_info info = MRY_CROWD_INFO_INIT;
+    return detail::perform([&](mry_error *err) { return mry_crowd_get_info(c(), id_, &info, err); },
+                           [&] { return info; });
+  }
+  /** Writes one glTF 2.0 binary, whole or not at all. `scale` is metres a world unit. */
+  result<void> write_glb(std::string_view path, float scale = 1.0f) const {
+    return detail::perform(
+      [&](mry_error *err) { return mry_crowd_write_glb(c(), id_, detail::str(path), scale, err); });
   }
 };
 
@@ -1018,6 +1235,11 @@ public:
   result<marey::sketch_take> take_sketch_take() {
     return other<marey::sketch_take, mry_sketch_take>(
       [&](mry_sketch_take *id, mry_error *err) { return mry_job_take_sketch_take(c(), id_, id, err); });
+  }
+  /** Takes the solid that a print job made; once. */
+  result<marey::solid> take_solid() {
+    return other<marey::solid, mry_solid>(
+      [&](mry_solid *id, mry_error *err) { return mry_job_take_solid(c(), id_, id, err); });
   }
   /** The text of its report, where it makes one. */
   result<std::string> report() const {
@@ -1484,6 +1706,11 @@ public:
     return detail::perform(
       [&](mry_error *err) { return mry_session_set_limb(c(), id_, limb, detail::str(label), side, err); });
   }
+  /** Says where a limb is in depth on a frame: MRY_SAID_DEPTH and MRY_SAID_BEND, or 0 to take it back. */
+  result<void> set_depth(std::uint32_t limb, std::uint64_t frame, std::uint32_t said, float depth, float bend) {
+    return detail::perform(
+      [&](mry_error *err) { return mry_session_set_depth(c(), id_, limb, frame, said, depth, bend, err); });
+  }
   /** Draws a limb on a frame, instead of what was drawn of it there before. */
   result<void> set_stroke(std::uint32_t limb, std::uint64_t frame, const std::vector<mry_point> &points,
                           std::int32_t facing = MRY_FACING_UNKNOWN) {
@@ -1642,6 +1869,23 @@ public:
     return make<creature, mry_creature>([&](mry_creature *id, mry_error *err) {
       return mry_creature_open(get(), detail::str(path), id, err);
     });
+  }
+  /** A crowd of these instances, with as many frames as the longest creature where none are said. */
+  result<crowd> new_crowd(const std::vector<mry_instance> &instances, std::uint64_t frames = 0, double fps = 0.0) const {
+    return make<crowd, mry_crowd>([&](mry_crowd *id, mry_error *err) {
+      return mry_crowd_create(get(), instances.data(), instances.size(), frames, fps, id, err);
+    });
+  }
+  /** A creature many times over in rows, out of step. */
+  result<crowd> new_herd(const creature &of, std::uint32_t count, std::uint64_t frames = 0) const {
+    return make<crowd, mry_crowd>([&](mry_crowd *id, mry_error *err) {
+      return mry_crowd_create_herd(get(), of.id(), count, frames, id, err);
+    });
+  }
+  /** Reads a crowd and opens its creatures. */
+  result<crowd> read_crowd(std::string_view path) const {
+    return make<crowd, mry_crowd>(
+      [&](mry_crowd *id, mry_error *err) { return mry_crowd_read(get(), detail::str(path), id, err); });
   }
   /** An empty rig for a clip of this size. */
   result<rig> new_rig(std::uint32_t width, std::uint32_t height) const {
@@ -1842,6 +2086,24 @@ public:
     desc.creature = creature.id();
     desc.path = detail::str(path);
     return make<job, mry_job>([&](mry_job *id, mry_error *err) { return mry_job_start_export(get(), &desc, id, err); });
+  }
+  /** Starts drawing a creature into a file. */
+  result<job> start_render(const mry_render_file_desc &desc) const {
+    return make<job, mry_job>([&](mry_job *id, mry_error *err) { return mry_job_start_render(get(), &desc, id, err); });
+  }
+  /** Who draws: MRY_ADAPTER_AUTO, ... */
+  result<std::string> renderer(std::int32_t adapter) const {
+    return detail::text([&](char *text, std::size_t capacity, std::size_t *size, mry_error *err) {
+      return mry_context_get_renderer(get(), adapter, text, capacity, size, err);
+    });
+  }
+  /** Starts making a solid for printing; creature of the description must be set. */
+  result<job> start_print(const mry_print_desc &desc) const {
+    return make<job, mry_job>([&](mry_job *id, mry_error *err) { return mry_job_start_print(get(), &desc, id, err); });
+  }
+  /** Makes a solid for printing, and returns when it is done; creature of the description must be set. */
+  result<solid> run_print(const mry_print_desc &desc) const {
+    return make<solid, mry_solid>([&](mry_solid *id, mry_error *err) { return mry_run_print(get(), &desc, id, err); });
   }
   /** An empty session in a new file, or in memory only where the path is empty. */
   result<session> new_session(std::string_view path = {}) const {

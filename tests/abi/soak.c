@@ -17,7 +17,7 @@
 
 #include <marey/marey.h>
 
-enum { CLIP, RIG, MOTION, MASKS, CREATURE, JOB, MAP, SESSION, DEFORMATION, CHARACTER, POSER, POSES, TAKE, POINTS, DRAWING, BINDING, SKETCH, KINDS };
+enum { CLIP, RIG, MOTION, MASKS, CREATURE, JOB, MAP, SESSION, DEFORMATION, CHARACTER, POSER, POSES, TAKE, POINTS, DRAWING, BINDING, SKETCH, CROWD, SOLID, KINDS };
 enum { PLACES = 6, BYTES = 1 << 15 };
 
 typedef struct soak {
@@ -61,6 +61,8 @@ static mry_status end(soak *s, int kind, uint64_t v) {
     case DRAWING: return mry_drawing_destroy(s->context, (mry_drawing){ v });
     case BINDING: return mry_binding_destroy(s->context, (mry_binding){ v });
     case SKETCH: return mry_sketch_take_destroy(s->context, (mry_sketch_take){ v });
+    case CROWD: return mry_crowd_destroy(s->context, (mry_crowd){ v });
+    case SOLID: return mry_solid_destroy(s->context, (mry_solid){ v });
     default: return mry_unmap(s->context, (mry_map){ v });
   }
 }
@@ -139,7 +141,10 @@ static mry_status edit_rig(soak *s) {
   size_t count = 0;
   float length = 0;
   mry_rig rig = { id(s, RIG) };
-  switch (below(s, 17)) {
+  switch (below(s, 19)) {
+    case 16:
+      return mry_rig_set_depth(s->context, rig, number(s, 4), frame(s), number(s, 4), real(s), real(s), ERR);
+    case 17: return mry_rig_get_depth(s->context, rig, number(s, 4), frame(s), out(s), NULL, NULL, ERR);
     case 0: return mry_rig_add_limb(s->context, rig, text(s), (int32_t)number(s, 5), &limb, ERR);
     case 1: return mry_rig_get_limb_count(s->context, rig, out(s), ERR);
     case 2: return mry_rig_get_limb(s->context, rig, number(s, 4), out(s), room(s, 1), &count, NULL, ERR);
@@ -269,6 +274,63 @@ static mry_status edit_motion(soak *s) {
   return status;
 }
 
+static mry_status shape_motion(soak *s) {
+  static const uint64_t frames[] = { 0, 2, 99 };
+  mry_motion motion = { id(s, MOTION) }, creature = { id(s, MOTION) }, made = { 0 };
+  mry_cycle cycle = MRY_CYCLE_INIT;
+  mry_seam seam = MRY_SEAM_INIT;
+  mry_loop_desc closing = MRY_LOOP_DESC_INIT;
+  mry_smooth_desc smoothing = MRY_SMOOTH_DESC_INIT;
+  mry_plant_desc planting = MRY_PLANT_DESC_INIT;
+  mry_retime_desc retiming = MRY_RETIME_DESC_INIT;
+  mry_limb_map_desc mapping = MRY_LIMB_MAP_DESC_INIT;
+  const mry_str feet[2] = { text(s), text(s) };
+  const mry_time_key keys[2] = { { 0.0, 0.0, (int32_t)number(s, 6), 0 }, { (double)real(s), (double)real(s), 0, 0 } };
+  size_t count = 0;
+  mry_status status;
+  planting.closed = number(s, 2);
+  planting.ground = (double)real(s);
+  planting.has_ground = number(s, 2);
+  planting.feet = feet;
+  planting.foot_count = below(s, 3);
+  mapping.angles = (int32_t)number(s, 3);
+  mapping.faces = (int32_t)number(s, 4);
+  mapping.stretch = below(s, 3) == 0 ? (double)real(s) : 0.0;
+  mapping.map = below(s, 9) == 0 ? text(s) : MRY_STR("");
+  switch (below(s, 9)) {
+    case 0: SIZED(mry_cycle, &cycle); return mry_motion_find_cycle(s->context, motion, &cycle, ERR);
+    case 1: return mry_motion_read_phases(s->context, motion, out(s), NULL, room(s, sizeof(double)), &count, ERR);
+    case 2:
+      SIZED(mry_loop_desc, &closing);
+      closing.period = (double)real(s) / 10.0;
+      closing.frame_count = number(s, 20);
+      status = mry_motion_loop(s->context, motion, below(s, 4) == 0 ? NULL : &closing, &made, below(s, 2) == 0 ? NULL : &seam, ERR);
+      break;
+    case 3:
+      smoothing.period = (double)real(s);
+      smoothing.only_frames = number(s, 2);
+      smoothing.frames = frames;
+      smoothing.frame_count = below(s, 4);
+      status = mry_motion_smooth(s->context, motion, &smoothing, &made, ERR);
+      break;
+    case 4: status = mry_motion_plant(s->context, motion, below(s, 4) == 0 ? NULL : &planting, &made, ERR); break;
+    case 5: return mry_motion_get_contacts(s->context, motion, &planting, out(s), room(s, 1), &count, ERR);
+    case 6:
+      retiming.direction = (int32_t)number(s, 4);
+      retiming.speed = 1.0 + (double)real(s);
+      retiming.easing = (int32_t)number(s, 6);
+      retiming.closed = number(s, 2);
+      retiming.keys = keys;
+      retiming.key_count = below(s, 3);
+      status = mry_motion_retime(s->context, motion, &retiming, &made, ERR);
+      break;
+    case 7: status = mry_motion_map_limbs(s->context, motion, creature, &mapping, &made, ERR); break;
+    default: return mry_motion_match_limbs(s->context, motion, creature, &mapping, out(s), room(s, 1), &count, ERR);
+  }
+  keep(s, MOTION, made.v);
+  return status;
+}
+
 static mry_status use_masks(soak *s) {
   mry_masks masks = { id(s, MASKS) };
   mry_masks_info info = MRY_MASKS_INFO_INIT;
@@ -278,6 +340,91 @@ static mry_status use_masks(soak *s) {
     case 1: return mry_masks_read(s->context, masks, frame(s), out(s), room(s, 1), number(s, 200), ERR);
     default: return mry_masks_get_report(s->context, masks, out(s), room(s, 1), &count, ERR);
   }
+}
+
+/* What a picture is like, drawn without a GPU: drivers are not what is tested. */
+static void picture(soak *s, mry_render_desc *desc, mry_camera *camera) {
+  *camera = (mry_camera)MRY_CAMERA_INIT;
+  camera->kind = (int32_t)below(s, 4);
+  camera->yaw = (float)real(s);
+  camera->pitch = (float)real(s);
+  camera->fov = below(s, 2) ? 30.0f : (float)real(s);
+  camera->distance = camera->height = (float)real(s);
+  *desc = (mry_render_desc)MRY_RENDER_DESC_INIT;
+  desc->width = number(s, 40);
+  desc->height = number(s, 30);
+  desc->style = (int32_t)below(s, 8);
+  desc->adapter = MRY_ADAPTER_CPU;
+  desc->shadow = below(s, 2) ? 0.5f : 0.0f;
+  desc->frame = pose(s);
+  desc->camera = below(s, 3) ? camera : NULL;
+  if (below(s, 3) == 0) { desc->crowd.v = id(s, CROWD); }
+}
+
+static mry_status use_crowd(soak *s) {
+  mry_instance instances[3];
+  mry_crowd crowd = { 0 };
+  mry_crowd_info info = MRY_CROWD_INFO_INIT;
+  char name[300];
+  mry_status status;
+  for (int i = 0; i < 3; i++) {
+    instances[i] = (mry_instance){ 0 };
+    instances[i].creature.v = id(s, CREATURE);
+    instances[i].at[below(s, 3)] = (float)real(s);
+    instances[i].yaw = (float)real(s);
+    instances[i].scale = below(s, 2) ? 0.0f : (float)real(s);
+    instances[i].play = (int32_t)below(s, 4);
+    instances[i].start = real(s);
+    instances[i].speed = below(s, 2) ? 0.0 : real(s);
+  }
+  switch (below(s, 5)) {
+    case 0: status = mry_crowd_create(s->context, instances, below(s, 4), below(s, 5), real(s), &crowd, ERR); break;
+    case 1: status = mry_crowd_create_herd(s->context, instances[0].creature, number(s, 20), below(s, 5), &crowd, ERR); break;
+    case 2: status = mry_crowd_read(s->context, place(s, name, ".json"), &crowd, ERR); break;
+    case 3:
+      return mry_crowd_write_glb(s->context, (mry_crowd){ id(s, CROWD) }, place(s, name, ".glb"), (float)real(s), ERR);
+    default:
+      SIZED(mry_crowd_info, &info);
+      return mry_crowd_get_info(s->context, (mry_crowd){ id(s, CROWD) }, &info, ERR);
+  }
+  keep(s, CROWD, crowd.v);
+  return status;
+}
+
+/* A limb or two drawn anew, the bones asked for or a creature made of it. */
+static mry_status repose(soak *s) {
+  static const char *const poses = "{\"format\":\"marey-strokes\",\"version\":1,\"size\":[%u,90],\"keyframes\":["
+                                   "{\"frame\":0,\"strokes\":[{\"limb\":\"body\",\"points\":[[%u,40],[90,%u]]}]},"
+                                   "{\"frame\":%u,\"easing\":\"inout\",\"strokes\":[{\"limb\":\"body\","
+                                   "\"points\":[[20,%u],[70,60]],\"facing\":\"away\",\"bend\":9}]}]}";
+  mry_creature creature = { id(s, CREATURE) }, made = { 0 };
+  mry_motion motion = { id(s, MOTION) };
+  mry_repose_desc desc = MRY_REPOSE_DESC_INIT;
+  SIZED(mry_repose_desc, &desc);
+  desc.lengths = (int32_t)below(s, 4);
+  desc.stretch = below(s, 3) == 0 ? real(s) : 0.0f;
+  desc.frames = below(s, 40);
+  desc.mirror = below(s, 2);
+  char json[600];
+  snprintf(json, sizeof json, poses, 120 + below(s, 2), below(s, 60), below(s, 90), 1 + below(s, 30), below(s, 90));
+  const mry_repose_desc *how = below(s, 3) == 0 ? NULL : &desc;
+  const mry_str map = below(s, 3) == 0 ? MRY_STR("{\"limbs\":{\"body\":{\"tracks\":[\"body\"]}}}") : MRY_STR("");
+  mry_point p[8];
+  size_t count = 0;
+  mry_limb_pose limbs[2] = { { text(s), points(s, p), below(s, 9), (int32_t)below(s, 4), below(s, 3), real(s), real(s) },
+                             { text(s), p, 2, 0, 0, 0.0f, real(s) } };
+  mry_status status;
+  switch (below(s, 5)) {
+    case 0:
+      return mry_creature_pose(s->context, creature, limbs, below(s, 3), how, out(s), room(s, sizeof(mry_transform)),
+                               &count, ERR);
+    case 1: status = mry_creature_repose(s->context, creature, MRY_STR(json), how, &made, ERR); break;
+    case 2: status = mry_creature_drive(s->context, creature, motion, map, how, &made, ERR); break;
+    case 3: return mry_creature_match(s->context, creature, motion, map, out(s), room(s, 1), &count, ERR);
+    default: return mry_creature_get_strain(s->context, creature, out(s), room(s, 1), &count, ERR);
+  }
+  keep(s, CREATURE, made.v);
+  return status;
 }
 
 static mry_status use_creature(soak *s) {
@@ -293,7 +440,17 @@ static mry_status use_creature(soak *s) {
   char name[300];
   size_t count = 0;
   mry_status status;
-  switch (below(s, 14)) {
+  switch (below(s, 19)) {
+    case 16:
+    case 17:
+    case 18: return repose(s);
+    case 14: return mry_context_get_renderer(s->context, MRY_ADAPTER_CPU, out(s), room(s, 1), &count, ERR);
+    case 15: {
+      mry_render_desc desc;
+      mry_camera camera;
+      picture(s, &desc, &camera);
+      return mry_creature_render(s->context, creature, &desc, out(s), room(s, 1), &count, ERR);
+    }
     case 11:
       SIZED(mry_creature_limb, &limb);
       return mry_creature_get_limb(s->context, creature, number(s, 4), out(s), room(s, 1), &count, &limb, ERR);
@@ -736,7 +893,7 @@ static mry_status start_job(soak *s) {
   mry_status status;
   mry_clip clip = { id(s, CLIP) };
   mry_rig rig = { id(s, RIG) };
-  switch (below(s, 10)) {
+  switch (below(s, 11)) {
     case 0: status = mry_job_start_open(s->context, MRY_STR(s->clip), NULL, &job, ERR); break;
     case 1: {
       mry_track_desc desc = MRY_TRACK_DESC_INIT;
@@ -810,6 +967,28 @@ static mry_status start_job(soak *s) {
       status = mry_job_start_take_file(s->context, &desc, &job, ERR);
       break;
     }
+    case 9: {
+      static const char *const formats[] = { "png", "png-dir", "sprite-sheet", "gif", "apng", "webp", "mp4", "" };
+      mry_render_desc look;
+      mry_camera camera;
+      mry_render_file_desc desc = MRY_RENDER_FILE_DESC_INIT;
+      desc.creature.v = id(s, CREATURE);
+      picture(s, &look, &camera);
+      if (below(s, 4) == 0) {
+        desc.clip.v = id(s, CLIP);
+        desc.masks.v = below(s, 2) ? id(s, MASKS) : 0;
+        desc.mask_clip.v = below(s, 4) ? 0 : id(s, CLIP);
+        desc.alone = below(s, 2);
+      }
+      desc.picture = &look;
+      desc.path = place(s, name, ".film");
+      desc.format = MRY_STR(formats[below(s, 8)]);
+      desc.frame_count = below(s, 4);
+      desc.still = below(s, 2);
+      desc.turns = below(s, 9) == 0 ? (float)real(s) : 1.0f;
+      status = mry_job_start_render(s->context, &desc, &job, ERR);
+      break;
+    }
     default: {
       mry_creature_desc desc = MRY_CREATURE_DESC_INIT;
       desc.clip = clip;
@@ -823,6 +1002,41 @@ static mry_status start_job(soak *s) {
   return status;
 }
 
+static mry_status use_solid(soak *s) {
+  char name[300];
+  mry_solid solid = { id(s, SOLID) };
+  mry_solid_info info = MRY_SOLID_INFO_INIT;
+  mry_print_desc desc = MRY_PRINT_DESC_INIT;
+  mry_status status;
+  size_t count = 0;
+  switch (below(s, 8)) {
+    case 0: SIZED(mry_solid_info, &info); return mry_solid_get_info(s->context, solid, &info, ERR);
+    case 1: return mry_solid_read_vertices(s->context, solid, below(s, 2) == 0 ? NULL : out(s), NULL, room(s, 12), &count, ERR);
+    case 2: return mry_solid_read_triangles(s->context, solid, out(s), room(s, 12), &count, ERR);
+    case 3: return below(s, 8) == 0 ? mry_solid_write(s->context, solid, place(s, name, below(s, 2) == 0 ? ".stl" : ".3mf"), ERR) : MRY_OK;
+    default:
+      if (below(s, 20) != 0) {
+        return MRY_OK;
+      }
+      SIZED(mry_print_desc, &desc);
+      desc.creature.v = id(s, CREATURE);
+      desc.frame = frame(s);
+      desc.size_kind = (int32_t)number(s, 3);
+      /* Mostly coarse, and so quick. */
+      desc.size = below(s, 9) == 0 ? real(s) : 20.0f;
+      desc.detail = below(s, 9) == 0 ? real(s) : 1.0f;
+      desc.min_thickness = below(s, 3) == 0 ? real(s) : -1.0f;
+      desc.base = number(s, 2);
+      desc.max_triangles = number(s, 400);
+      if (below(s, 4) == 0) {
+        desc.path = place(s, name, ".stl");
+      }
+      status = mry_run_print(s->context, &desc, &solid, ERR);
+      keep(s, SOLID, status == MRY_OK ? solid.v : 0);
+      return status;
+  }
+}
+
 static mry_status use_job(soak *s) {
   mry_job job = { id(s, JOB) };
   mry_job_state state = MRY_JOB_STATE_INIT;
@@ -834,9 +1048,10 @@ static mry_status use_job(soak *s) {
   mry_take take = { 0 };
   mry_binding binding = { 0 };
   mry_sketch_take sketch = { 0 };
+  mry_solid solid = { 0 };
   size_t count = 0;
   mry_status status;
-  switch (below(s, 13)) {
+  switch (below(s, 14)) {
     case 0: return below(s, 20) == 0 ? mry_job_cancel(s->context, job, ERR) : MRY_OK;
     case 1: return mry_job_wait(s->context, job, below(s, 4) == 0 ? UINT64_C(20000000) : 0, ERR);
     case 2: status = mry_job_take_clip(s->context, job, &clip, ERR); break;
@@ -847,6 +1062,7 @@ static mry_status use_job(soak *s) {
     case 7: status = mry_job_take_take(s->context, job, &take, ERR); break;
     case 9: status = mry_job_take_binding(s->context, job, &binding, ERR); break;
     case 10: status = mry_job_take_sketch_take(s->context, job, &sketch, ERR); break;
+    case 11: status = mry_job_take_solid(s->context, job, &solid, ERR); break;
     case 8: return mry_job_get_report(s->context, job, out(s), room(s, 1), &count, ERR);
     default: SIZED(mry_job_state, &state); return mry_job_poll(s->context, job, &state, ERR);
   }
@@ -858,6 +1074,7 @@ static mry_status use_job(soak *s) {
   keep(s, TAKE, take.v);
   keep(s, BINDING, binding.v);
   keep(s, SKETCH, sketch.v);
+  keep(s, SOLID, solid.v);
   return status;
 }
 
@@ -895,6 +1112,9 @@ static mry_status use_session(soak *s) {
     case 16: return mry_session_remove_limb(s->context, session, number(s, 4), ERR);
     case 17:
     case 18:
+      if (below(s, 4) == 0) {
+        return mry_session_set_depth(s->context, session, number(s, 4), frame(s), number(s, 4), real(s), real(s), ERR);
+      }
       return mry_session_set_stroke(s->context, session, number(s, 4), frame(s), points(s, p), below(s, 9),
                                     (int32_t)number(s, 4), ERR);
     case 19: return mry_session_set_parameter(s->context, session, text(s), (double)real(s), ERR);
@@ -938,7 +1158,7 @@ static mry_status one(soak *s) {
     return make_sketch(s);
   }
   if (dice < 30) {
-    return dice < 16 ? use_drawing(s) : dice < 26 ? use_binding(s) : use_sketch(s);
+    return dice < 16 ? use_drawing(s) : dice < 26 ? use_binding(s) : below(s, 2) == 0 ? use_sketch(s) : use_solid(s);
   }
   if (dice < 56) {
     return dice < 36 ? use_character(s) : dice < 46 ? animate(s) : use_take(s);
@@ -948,9 +1168,9 @@ static mry_status one(soak *s) {
     case 0: return edit_rig(s);
     case 6: return edit_motion(s);
     case 1: return use_clip(s);
-    case 2: return use_motion(s);
+    case 2: return below(s, 2) == 0 ? use_motion(s) : shape_motion(s);
     case 3: return use_masks(s);
-    case 4: return use_creature(s);
+    case 4: return below(s, 4) == 0 ? use_crowd(s) : use_creature(s);
     default: return use_job(s);
   }
 }

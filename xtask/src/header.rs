@@ -14,7 +14,7 @@ use cbindgen::{Builder, Config, DocumentationStyle, EnumConfig, ExportConfig, Fu
 use crate::shell::{root, say};
 
 /// The files of ffi/src in the order a reader meets them.
-const FILES: [&str; 59] = [
+const FILES: [&str; 67] = [
     "version.rs",
     "status.rs",
     "string.rs",
@@ -34,6 +34,7 @@ const FILES: [&str; 59] = [
     "tracks.rs",
     "motion_edit.rs",
     "motion_paths.rs",
+    "motion_cycle.rs",
     "advice.rs",
     "masks.rs",
     "creature.rs",
@@ -42,13 +43,17 @@ const FILES: [&str; 59] = [
     "surface.rs",
     "maps.rs",
     "creature_files.rs",
+    "printing.rs",
+    "reposing.rs",
     "deforming.rs",
     "character.rs",
     "skeleton.rs",
     "posing.rs",
     "redrawing.rs",
     "poses.rs",
+    "motion_shaping.rs",
     "retargeting.rs",
+    "limb_mapping.rs",
     "take.rs",
     "take_files.rs",
     "vector.rs",
@@ -64,6 +69,9 @@ const FILES: [&str; 59] = [
     "segmenting.rs",
     "reconstructing.rs",
     "exporting.rs",
+    "texturing.rs",
+    "crowd.rs",
+    "rendering.rs",
     "session.rs",
     "gesture.rs",
     "session_media.rs",

@@ -12,6 +12,7 @@ mod header;
 mod library;
 mod measure;
 mod players;
+mod prints;
 mod reference;
 mod sample;
 mod shell;
@@ -43,6 +44,9 @@ cargo xtask COMMAND
                      built-in trackers and segmenters beside the plugins that ship (release build)
   players [DATA]     takes of characters in three.js, lottie-web, the DragonBones runtime and a reader of Spine's JSON
                      (fetches them and a browser)
+  prints CREATURE ... [-- OPTION ...]
+                     a print of every frame, looked at by trimesh and manifold3d (a python3, or $PYTHON, that has them),
+                     admesh and PrusaSlicer; OPTIONs are those of marey print (release build)
   gallery            the pictures of docs/sketches.md, made anew by the commands it gives (release build)
   validate GLB ...   the Khronos glTF validator on files
   blender GLB ...    files imported, played and exported again by Blender, and compared (fetches it)
@@ -70,6 +74,7 @@ fn main() -> Result<()> {
         "c-host" => c_host::run(rest),
         "cancels" => cancels::run(),
         "players" => players::run(rest),
+        "prints" => prints::run(rest),
         "gallery" => gallery::gallery(),
         "validate" => validator::run(rest),
         "blender" => blender::run(rest),

@@ -25,12 +25,29 @@ const NEEDED: [Needed; 11] = [
     Needed { program: "npm", package: "npm", why: "fetches the Khronos glTF validator, which runs on node" },
 ];
 
+/// Drivers: they are no programs, and are found by the file that tells loaders of them.
+const DRIVER: Needed =
+    Needed { program: "a Vulkan driver", package: "mesa-vulkan-drivers", why: "draws as a GPU does, without one" };
+
+impl Needed {
+    fn is_there(&self) -> bool {
+        if self.program != DRIVER.program {
+            return has(self.program);
+        }
+        let folders = ["/usr/share/vulkan/icd.d", "/etc/vulkan/icd.d"];
+        let holds = |folder: &&str| std::fs::read_dir(folder).is_ok_and(|mut files| files.next().is_some());
+        // Elsewhere systems bring their own.
+        !cfg!(target_os = "linux") || folders.iter().any(holds)
+    }
+}
+
 /// The browser that plays exports; large, so only who asks for players gets it.
 pub(crate) const BROWSER: &str = "chromium";
 
 /// Makes sure that every needed program is there: with apt-get as root, else by naming the packages.
 pub(crate) fn ensure() -> Result<()> {
-    ensure_all(&NEEDED)
+    ensure_all(&NEEDED)?;
+    ensure_all(&[DRIVER])
 }
 
 /// The same for what plays exports.
@@ -42,7 +59,7 @@ pub(crate) fn ensure_browser() -> Result<()> {
 }
 
 fn ensure_all(needed: &[Needed]) -> Result<()> {
-    let missing: Vec<&Needed> = needed.iter().filter(|n| !has(n.program)).collect();
+    let missing: Vec<&Needed> = needed.iter().filter(|n| !n.is_there()).collect();
     if missing.is_empty() {
         return Ok(());
     }
@@ -58,7 +75,7 @@ fn ensure_all(needed: &[Needed]) -> Result<()> {
     let mut install = program("apt-get");
     install.env("DEBIAN_FRONTEND", "noninteractive");
     run(install.args(["install", "-y", "-qq", "--no-install-recommends"]).args(&packages))?;
-    match missing.iter().find(|n| !has(n.program)) {
+    match missing.iter().find(|n| !n.is_there()) {
         None => Ok(()),
         Some(still) => bail!("{} is still missing after installing {}", still.program, still.package),
     }

@@ -1,8 +1,11 @@
 //! Pictures as PNG bytes: fast rather than smallest, but for those with alpha, which are textures and frames that travel.
 
+use std::path::Path;
+
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ExtendedColorType, ImageEncoder, RgbImage, RgbaImage};
 
+use super::write_aside::write_aside;
 use crate::error::{Error, Result};
 use crate::raster::Mask;
 
@@ -14,6 +17,14 @@ pub(super) fn encode_rgb(image: &RgbImage) -> Result<Vec<u8>> {
 /// An sRGB picture with straight alpha.
 pub(super) fn encode_rgba(image: &RgbaImage) -> Result<Vec<u8>> {
     encode(image.as_raw(), image.dimensions(), ExtendedColorType::Rgba8, FilterType::Adaptive, CompressionType::Default)
+}
+
+/// Writes a picture with straight alpha as PNG, whole or not at all.
+///
+/// # Errors
+/// A file that cannot be written, a picture without pixels.
+pub fn write_picture(path: &Path, picture: &RgbaImage) -> Result<()> {
+    write_aside(path, &encode_rgba(picture)?)
 }
 
 /// A mask as 8-bit grey, 0 or 255.

@@ -17,24 +17,34 @@ pub struct TriMesh {
 }
 
 impl TriMesh {
-    /// Vertex normals: the mean of the triangles around each place, by area. Vertices at the same place (a seam) share it.
-    pub fn smooth_normals(&self) -> Vec<Vec3> {
-        let mut by_place: Vec<usize> = (0..self.positions.len()).collect();
-        let key = |i: usize| self.positions[i].to_array().map(f32::to_bits);
-        by_place.sort_by_key(|&i| key(i));
-        let mut leader = vec![0usize; self.positions.len()];
-        for pair in 0..by_place.len() {
-            let i = by_place[pair];
-            leader[i] = if pair > 0 && key(by_place[pair - 1]) == key(i) { leader[by_place[pair - 1]] } else { i };
+    /// For each vertex the first one at the same place: what vertices that a texture's seam doubles are on the surface.
+    /// The triangles over these are closed where the surface is.
+    pub fn surface(&self) -> Vec<u32> {
+        let key = |v: u32| self.positions[v as usize].to_array().map(f32::to_bits);
+        let mut by_place: Vec<u32> = (0..self.positions.len() as u32).collect();
+        by_place.sort_by_key(|&v| (key(v), v));
+        let mut out = vec![0; self.positions.len()];
+        let mut first = 0;
+        for (i, &v) in by_place.iter().enumerate() {
+            if i == 0 || key(by_place[i - 1]) != key(v) {
+                first = v;
+            }
+            out[v as usize] = first;
         }
+        out
+    }
+
+    /// Vertex normals: the mean of those of the triangles around each place, by area.
+    pub fn smooth_normals(&self) -> Vec<Vec3> {
+        let surface = self.surface();
         let mut sum = vec![Vec3::ZERO; self.positions.len()];
         for t in &self.triangles {
-            let [a, b, c] = t.map(|i| self.positions[i as usize]);
+            let [a, b, c] = t.map(|v| self.positions[v as usize]);
             let area = (b - a).cross(c - a);
-            for i in t {
-                sum[leader[*i as usize]] += area;
+            for v in t {
+                sum[surface[*v as usize] as usize] += area;
             }
         }
-        leader.iter().map(|&l| sum[l].normalize_or(Vec3::Z)).collect()
+        surface.iter().map(|&s| sum[s as usize].normalize_or(Vec3::Z)).collect()
     }
 }

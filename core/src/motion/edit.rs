@@ -6,6 +6,17 @@ use crate::error::{Error, Result};
 /// Points of all tracks in all frames together, at most: what a file of a gigabyte would hold.
 const MOST_POINTS: u64 = 1 << 26;
 
+/// Checks that a motion may have the tracks of `motion` in `frames` frames.
+pub(super) fn check_points(motion: &Motion, frames: usize) -> Result<()> {
+    let a_frame: u64 = motion.tracks.iter().map(|t| t.frames.first().map_or(0, |f| f.points.len() as u64)).sum();
+    let value = a_frame.saturating_mul(frames as u64);
+    if value <= MOST_POINTS {
+        return Ok(());
+    }
+    let (what, remedy) = ("the number of points of all frames".to_owned(), "ask for fewer frames".to_owned());
+    Err(Error::Limit { what, value, max: MOST_POINTS, remedy })
+}
+
 impl Motion {
     /// A motion without tracks, over a clip of `size` pixels.
     ///

@@ -139,7 +139,7 @@ pub(super) fn unlike(motion: &Motion, skeleton: &RestSkeleton<'_>) -> Error {
 }
 
 /// The first few names.
-pub(super) fn listed<'a>(names: impl ExactSizeIterator<Item = &'a str>) -> String {
+pub(crate) fn listed<'a>(names: impl ExactSizeIterator<Item = &'a str>) -> String {
     const SHOWN: usize = 5;
     let more = names.len().saturating_sub(SHOWN);
     let mut shown: Vec<String> = names.take(SHOWN).map(|n| format!("`{n}`")).collect();
@@ -150,7 +150,7 @@ pub(super) fn listed<'a>(names: impl ExactSizeIterator<Item = &'a str>) -> Strin
 }
 
 /// Figures of more joints are matched by name only; the search takes their square.
-const MOST_PLACES: usize = 2000;
+pub(super) const MOST_PLACES: usize = 2000;
 /// What is shorter than this share of the longest way through a figure is no limb. A hand is a twentieth of it.
 const TWIG: f64 = 0.12;
 
@@ -241,7 +241,7 @@ fn across(at: &[DVec2], near: &[Vec<usize>], from: usize, ends: &dyn Fn(usize) -
 
 /// Takes off what is shorter than `least` between its end and where it branches off, the shortest first: fingers and the
 /// ends of bones are no limbs.
-fn prune(at: &[DVec2], near: &mut [Vec<usize>], least: f64) {
+pub(super) fn prune(at: &[DVec2], near: &mut [Vec<usize>], least: f64) {
     loop {
         let twig = |leaf: usize| {
             let (mut way, mut length) = (vec![leaf], 0.0);
@@ -407,7 +407,7 @@ fn by_likeness(motion: &Motion, skeleton: &RestSkeleton<'_>, reference: usize) -
 }
 
 /// Pairs of rows and columns of least total cost: the nearest first, then exchanges while they help.
-fn paired(costs: &[Vec<f64>], columns: usize) -> Vec<(usize, usize)> {
+pub(super) fn paired(costs: &[Vec<f64>], columns: usize) -> Vec<(usize, usize)> {
     // Rows and columns without a partner are paired with others that cost nothing.
     let count = costs.len().max(columns);
     let cost = |row: usize, column: usize| costs.get(row).and_then(|r| r.get(column)).copied().unwrap_or(0.0);

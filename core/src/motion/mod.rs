@@ -3,13 +3,29 @@
 mod beside_named;
 mod blend;
 pub mod bvh;
+mod closing;
+mod easing;
 mod edit;
+mod gait_cycle;
+pub mod limb_map;
+mod limb_reach;
 pub mod matching;
 mod motion_file;
 pub mod paths;
+mod planting;
 pub mod retarget;
+mod retime;
+mod sampling;
+mod smoothing;
 
 pub use blend::blend_tree;
+pub use closing::{ClosedLoop, LoopParams, Seam, close_loop};
+pub use easing::Easing;
+pub use gait_cycle::{GaitCycle, LimbPhase, find_cycle};
+pub(crate) use matching::listed;
+pub use planting::{Contacts, PlantParams, Planted, plant};
+pub use retime::{Direction, Retime, TimeKey, retime};
+pub use smoothing::{Held, SmoothParams, smooth};
 
 use glam::Vec2;
 
@@ -75,3 +91,6 @@ impl Motion {
         self.tracks.iter().find(|t| t.name == name)
     }
 }
+
+#[cfg(test)]
+mod shaping_tests;

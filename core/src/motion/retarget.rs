@@ -385,21 +385,12 @@ fn plant(joints: &mut [Vec<DVec2>], bones: &[[usize; 2]], foot: usize, source: &
 
 /// Brings the foot to `wished` by bending the two bones above it the way they are bent; what hangs from it goes along.
 fn reach(now: &mut [DVec2], bones: &[[usize; 2]], hip: Option<usize>, knee: usize, foot: usize, wished: DVec2) {
-    let (knee_was, foot_was) = (now[knee], now[foot]);
+    let foot_was = now[foot];
     let target = match hip {
         Some(hip) => {
-            let (upper, lower) = (now[hip].distance(knee_was), knee_was.distance(foot_was));
-            let to = wished - now[hip];
-            let distance = to.length().clamp((upper - lower).abs(), upper + lower);
-            if distance < 1e-9 || upper < 1e-9 {
-                return;
-            }
-            let along = ((upper * upper - lower * lower + distance * distance) / (2.0 * distance)).clamp(-upper, upper);
-            let off = (upper * upper - along * along).max(0.0).sqrt();
-            let side = (foot_was - now[hip]).perp_dot(knee_was - now[hip]).signum();
-            let axis = to.try_normalize().unwrap_or(DVec2::X);
-            now[knee] = now[hip] + axis * along + axis.perp() * (off * side);
-            now[hip] + axis * distance
+            let leg = super::limb_reach::reach(&[now[hip], now[knee], foot_was], wished);
+            now[knee] = leg[1];
+            leg[2]
         }
         None => wished,
     };

@@ -14,13 +14,14 @@ const STEP: i64 = 256;
 const FAR_OUTSIDE: f32 = 1e6;
 
 /// The pixels of one triangle in a picture.
-pub(super) struct Cover {
+#[derive(Clone, Debug)]
+pub struct Cover {
     /// The corners as they go around from x to y: indices into those that were given.
-    pub(super) order: [usize; 3],
+    pub order: [usize; 3],
     /// Twice the area; what the three edge values of a pixel add up to.
-    pub(super) area: i64,
+    pub area: i64,
     /// What each edge value changes by a pixel to the right.
-    pub(super) right: [i64; 3],
+    pub right: [i64; 3],
     down: [i64; 3],
     /// The edge values at the centre of pixel (0, 0).
     origin: [i64; 3],
@@ -32,7 +33,7 @@ pub(super) struct Cover {
 impl Cover {
     /// Of the triangle with corners `at` in a picture of `width` columns with these `rows`; `None` where it has no area
     /// or lies far outside.
-    pub(super) fn new(at: [Vec2; 3], width: usize, rows: Range<usize>) -> Option<Self> {
+    pub fn new(at: [Vec2; 3], width: usize, rows: Range<usize>) -> Option<Self> {
         // Written so that what is no number is far outside.
         if !at.iter().all(|p| p.x.abs() <= FAR_OUTSIDE && p.y.abs() <= FAR_OUTSIDE) {
             return None;
@@ -74,12 +75,12 @@ impl Cover {
     }
 
     /// The rows that it may cover pixels of.
-    pub(super) fn rows(&self) -> Range<usize> {
+    pub fn rows(&self) -> Range<usize> {
         self.rows.start as usize..self.rows.end as usize
     }
 
     /// The pixels that it covers in a row.
-    pub(super) fn span(&self, y: usize) -> Range<usize> {
+    pub fn span(&self, y: usize) -> Range<usize> {
         let (mut first, mut last) = (self.columns.start, self.columns.end);
         for i in 0..3 {
             // Inside where value + x * right >= 0.
@@ -97,7 +98,7 @@ impl Cover {
     /// The edge values at the centre of a pixel, in the order of [`Self::order`]: over the area, how much of each corner
     /// it has.
     #[inline]
-    pub(super) fn edges(&self, x: usize, y: usize) -> [i64; 3] {
+    pub fn edges(&self, x: usize, y: usize) -> [i64; 3] {
         [0, 1, 2].map(|i| self.origin[i] + x as i64 * self.right[i] + y as i64 * self.down[i])
     }
 }

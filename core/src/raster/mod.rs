@@ -18,6 +18,7 @@ mod rasterizer;
 pub mod sample;
 pub(crate) mod thinning;
 
+pub use cover::Cover;
 pub use grid::Grid;
 pub use mask::Mask;
 pub use painter::{Piece, Texture, paint};

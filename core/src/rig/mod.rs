@@ -70,6 +70,20 @@ pub struct Paint {
     pub points: Vec<Vec2>,
 }
 
+/// Where a limb is in depth, as the user said on one frame. It holds on that frame and fades toward the limb's key
+/// frames around it; a limb may be marked where it is not drawn.
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LimbDepth {
+    /// Index into [`Rig::limbs`].
+    pub limb: usize,
+    /// How far its free part stands from where it would, in clip pixels toward the viewer.
+    pub depth: Option<f32>,
+    /// How far its free end stands from where it is held, in clip pixels toward the viewer, in place of what its
+    /// length in the image says.
+    pub bend: Option<f32>,
+}
+
 /// All that the user did on one frame.
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -78,6 +92,9 @@ pub struct KeyFrame {
     pub frame: usize,
     /// At most one stroke a limb.
     pub strokes: Vec<Stroke>,
+    /// Where limbs are in depth, at most one entry a limb.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub depths: Vec<LimbDepth>,
     /// Painted hints for the segmenter.
     pub paint: Vec<Paint>,
     /// A whole painted mask (an 8-bit image of the clip's size), where the user gave one.
@@ -173,15 +190,18 @@ impl Rig {
     }
 
     fn validate_key(&self, key: &KeyFrame) -> Result<()> {
-        for (i, stroke) in key.strokes.iter().enumerate() {
-            let Some(limb) = self.limbs.get(stroke.limb) else {
-                return Err(Error::invalid(
+        let named = |limb: usize, what: &str| {
+            let labelled = self.limbs.get(limb).map(|l| format!("limb `{}` on key frame {}", l.label, key.frame));
+            labelled.ok_or_else(|| {
+                Error::invalid(
                     format!("key frame {}", key.frame),
-                    format!("a stroke is of limb {}, and there are {}", stroke.limb, self.limbs.len()),
+                    format!("a {what} is of limb {limb}, and there are {}", self.limbs.len()),
                     "add the limb first",
-                ));
-            };
-            let what = format!("limb `{}` on key frame {}", limb.label, key.frame);
+                )
+            })
+        };
+        for (i, stroke) in key.strokes.iter().enumerate() {
+            let what = named(stroke.limb, "stroke")?;
             if key.strokes[..i].iter().any(|other| other.limb == stroke.limb) {
                 return Err(Error::invalid(what, "is drawn twice", "keep one stroke for each limb and frame"));
             }
@@ -190,11 +210,30 @@ impl Rig {
                 return Err(Error::invalid(what, "is shorter than a pixel", "draw along the whole body part"));
             }
         }
+        for (i, mark) in key.depths.iter().enumerate() {
+            let what = named(mark.limb, "depth")?;
+            if key.depths[..i].iter().any(|other| other.limb == mark.limb) {
+                return Err(Error::invalid(what, "has two depths", "keep one for each limb and frame"));
+            }
+            self.validate_depth(&what, mark.depth, mark.bend)?;
+        }
         for paint in &key.paint {
             let what = format!("paint on key frame {}", key.frame);
             self.validate_points(&what, &paint.points, 1)?;
             if !(paint.radius.is_finite() && paint.radius > 0.0) {
                 return Err(Error::invalid(what, "the radius is no positive number", "give it in pixels"));
+            }
+        }
+        Ok(())
+    }
+
+    /// Checks a depth and a bend: real numbers, within what a limb can be off the image plane.
+    fn validate_depth(&self, what: &str, depth: Option<f32>, bend: Option<f32>) -> Result<()> {
+        let most = MAX_OUTSIDE * self.size.0.max(self.size.1) as f32;
+        for (name, value) in [("depth", depth), ("bend", bend)] {
+            if value.is_some_and(|v| !(-most..=most).contains(&v)) {
+                let problem = format!("its {name} is {}", value.unwrap_or_default());
+                return Err(Error::invalid(what, problem, format!("give clip pixels, {most} at most")));
             }
         }
         Ok(())
@@ -239,6 +278,16 @@ impl Rig {
     /// The frames on which `limb` is drawn, rising.
     pub fn keys_of(&self, limb: usize) -> impl Iterator<Item = (usize, &Stroke)> {
         self.keyframes.iter().filter_map(move |k| k.strokes.iter().find(|s| s.limb == limb).map(|s| (k.frame, s)))
+    }
+
+    /// What is said of `limb`'s depth over time: the frames on which it is drawn or `said` gives something, rising, with
+    /// what is said there.
+    pub fn depth_keys(&self, limb: usize, said: impl Fn(&LimbDepth) -> Option<f32>) -> Vec<(usize, Option<f32>)> {
+        let key = |k: &KeyFrame| {
+            let value = k.depths.iter().find(|d| d.limb == limb).and_then(&said);
+            (value.is_some() || k.strokes.iter().any(|s| s.limb == limb)).then_some((k.frame, value))
+        };
+        self.keyframes.iter().filter_map(key).collect()
     }
 
     /// The longest drawn length of `limb` in pixels: the length hint of a drawing tool.

@@ -1,6 +1,8 @@
 //! strokes.json: the rig as a file.
 //!
-//! Unknown keys are ignored, an unknown version is an error. Beyond limbs and strokes a key frame may carry
+//! Unknown keys are ignored, an unknown version is an error. Beyond `limb`, `points` and `facing` a stroke may carry
+//! `"depth": px` and `"bend": px` ([`LimbDepth`]); with either it may do without points, and then it draws nothing.
+//! Beyond strokes a key frame may carry
 //! `"paint": [{"kind": "foreground" | "background", "radius": px, "points": [[x, y], ...]}]` and
 //! `"mask": "file.png"`, relative to the strokes file.
 
@@ -9,7 +11,7 @@ use std::path::Path;
 use glam::Vec2;
 use serde::{Deserialize, Serialize};
 
-use super::{Facing, KeyFrame, Limb, Paint, Rig, Side, Stroke};
+use super::{Facing, KeyFrame, Limb, LimbDepth, Paint, Rig, Side, Stroke};
 use crate::error::{Error, Result};
 
 const FORMAT: &str = "marey-strokes";
@@ -45,9 +47,14 @@ struct KeyEntry {
 #[derive(Serialize, Deserialize)]
 struct StrokeEntry {
     limb: String,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     points: Vec<Vec2>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     facing: Option<Facing>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    depth: Option<f32>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    bend: Option<f32>,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -100,16 +107,24 @@ impl Rig {
         let mut keyframes = Vec::with_capacity(file.keyframes.len());
         for key in &file.keyframes {
             let mut strokes = Vec::with_capacity(key.strokes.len());
+            let mut depths = Vec::new();
             for s in &key.strokes {
                 let limb = index(&s.limb, key.frame)?;
-                strokes.push(Stroke { limb, points: s.points.clone(), facing: s.facing });
+                let in_depth = s.depth.is_some() || s.bend.is_some();
+                if in_depth {
+                    depths.push(LimbDepth { limb, depth: s.depth, bend: s.bend });
+                }
+                if !(in_depth && s.points.is_empty()) {
+                    strokes.push(Stroke { limb, points: s.points.clone(), facing: s.facing });
+                }
             }
             let paint = key.paint.iter().map(|p| Paint {
                 foreground: matches!(p.kind, PaintKind::Foreground),
                 radius: p.radius,
                 points: p.points.clone(),
             });
-            keyframes.push(KeyFrame { frame: key.frame, strokes, paint: paint.collect(), mask: key.mask.clone() });
+            let (frame, paint, mask) = (key.frame, paint.collect(), key.mask.clone());
+            keyframes.push(KeyFrame { frame, strokes, depths, paint, mask });
         }
         keyframes.sort_by_key(|k| k.frame);
         let limbs = file.limbs.into_iter().map(|l| Limb { label: l.label, side: l.side }).collect();
@@ -122,7 +137,7 @@ impl Rig {
     pub fn to_json(&self) -> String {
         let keyframes = self.keyframes.iter().map(|k| KeyEntry {
             frame: k.frame,
-            strokes: k.strokes.iter().filter_map(|s| self.stroke_entry(s)).collect(),
+            strokes: self.stroke_entries(k),
             paint: k
                 .paint
                 .iter()
@@ -144,9 +159,22 @@ impl Rig {
         serde_json::to_string(&file).unwrap_or_default()
     }
 
-    fn stroke_entry(&self, stroke: &Stroke) -> Option<StrokeEntry> {
-        let limb = self.limbs.get(stroke.limb)?.label.clone();
-        Some(StrokeEntry { limb, points: stroke.points.clone(), facing: stroke.facing })
+    /// The key frame's strokes with their depths, and then the depths of limbs that are not drawn there.
+    fn stroke_entries(&self, key: &KeyFrame) -> Vec<StrokeEntry> {
+        let entry = |limb: usize, stroke: Option<&Stroke>| {
+            let mark = key.depths.iter().find(|d| d.limb == limb);
+            Some(StrokeEntry {
+                limb: self.limbs.get(limb)?.label.clone(),
+                points: stroke.map_or_else(Vec::new, |s| s.points.clone()),
+                facing: stroke.and_then(|s| s.facing),
+                depth: mark.and_then(|d| d.depth),
+                bend: mark.and_then(|d| d.bend),
+            })
+        };
+        let drawn = |limb: usize| key.strokes.iter().any(|s| s.limb == limb);
+        let undrawn = key.depths.iter().filter(|d| !drawn(d.limb)).map(|d| (d.limb, None));
+        let strokes = key.strokes.iter().map(|s| (s.limb, Some(s)));
+        strokes.chain(undrawn).filter_map(|(limb, stroke)| entry(limb, stroke)).collect()
     }
 }
 
@@ -164,12 +192,17 @@ mod tests {
     fn round_trip_keeps_everything() {
         let text = file(
             r#"{"label":"body"},{"label":"leg","side":"near"}"#,
-            r#"{"frame":3,"strokes":[{"limb":"leg","points":[[1,2],[3.5,40]],"facing":"toward"}],"mask":"m.png"},
+            r#"{"frame":3,"strokes":[{"limb":"leg","points":[[1,2],[3.5,40]],"facing":"toward","depth":-4,"bend":12.5},
+                {"limb":"body","depth":3}],"mask":"m.png"},
                {"frame":0,"strokes":[{"limb":"body","points":[[1,2],[90,2]]}],
                 "paint":[{"kind":"background","radius":4,"points":[[5,5]]}]}"#,
         );
         let rig = Rig::from_json(&text).expect("valid");
         assert_eq!(rig.keyframes[0].frame, 0);
+        let marks = &rig.keyframes[1].depths;
+        assert_eq!(marks[0], LimbDepth { limb: 1, depth: Some(-4.0), bend: Some(12.5) });
+        assert_eq!(marks[1], LimbDepth { limb: 0, depth: Some(3.0), bend: None });
+        assert!(rig.stroke(0, 3).is_none(), "a depth alone draws nothing");
         assert_eq!(Rig::from_json(&rig.to_json()).expect("valid"), rig);
     }
 
@@ -185,6 +218,10 @@ mod tests {
             (file(body, r#"{"frame":0,"strokes":[{"limb":"tail","points":[[1,2],[9,2]]}]}"#), "`tail`"),
             (file(r#"{"label":"a"},{"label":"a"}"#, ""), "listed twice"),
             (file(body, r#"{"frame":0,"strokes":[{"limb":"body","points":[[1,2],[NaN,3]]}]}"#), "not readable"),
+            (file(body, r#"{"frame":0,"strokes":[{"limb":"body"}]}"#), "0 points"),
+            (file(body, r#"{"frame":0,"strokes":[{"limb":"body","depth":1e6}]}"#), "its depth is 1000000"),
+            (file(body, r#"{"frame":0,"strokes":[{"limb":"body","bend":-201}]}"#), "its bend is -201"),
+            (file(body, r#"{"frame":0,"strokes":[{"limb":"body","depth":1},{"limb":"body","bend":1}]}"#), "two depths"),
             (file(body, "").replace("\"version\":1", "\"version\":2"), "version 2"),
         ];
         for (text, expected) in cases {

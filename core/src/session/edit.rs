@@ -11,7 +11,7 @@ use super::clip_reference::ClipReference;
 use super::document::{Document, Tracked};
 use super::parameters::Value;
 use crate::error::{Error, Result};
-use crate::rig::{Facing, KeyFrame, Limb, Paint, Rig, Stroke};
+use crate::rig::{Facing, KeyFrame, Limb, LimbDepth, Paint, Rig, Stroke};
 
 /// A stroke without the limb it is of.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -30,13 +30,21 @@ pub(super) enum Edit {
     /// The whole rig.
     Rig(Arc<Rig>),
     /// A limb with its strokes, by frame; limbs from `at` on move up.
-    InsertLimb { at: usize, limb: Limb, strokes: Vec<(usize, Drawn)> },
+    InsertLimb {
+        at: usize,
+        limb: Limb,
+        strokes: Vec<(usize, Drawn)>,
+        #[serde(default, skip_serializing_if = "Vec::is_empty")]
+        depths: Vec<(usize, LimbDepth)>,
+    },
     /// A limb with its strokes goes; limbs behind it move down.
     RemoveLimb { at: usize },
     /// A limb's label and side.
     Limb { at: usize, limb: Limb },
     /// The stroke of a limb on a frame.
     Stroke { limb: usize, frame: usize, drawn: Option<Drawn> },
+    /// Where a limb is in depth on a frame.
+    Depth { limb: usize, frame: usize, mark: Option<LimbDepth> },
     /// A painted hint; those from `at` on move up.
     InsertPaint { frame: usize, at: usize, paint: Paint },
     /// A painted hint goes; those behind it move down.
@@ -97,6 +105,7 @@ impl Edit {
             (Self::Clip { .. }, Self::Clip { .. })
             | (Self::Rig(_), Self::Rig(_))
             | (Self::Tracked(_), Self::Tracked(_)) => true,
+            (Self::Depth { limb: a, frame: f, .. }, Self::Depth { limb: b, frame: g, .. }) => (a, f) == (b, g),
             (Self::Limb { at: a, .. }, Self::Limb { at: b, .. }) => a == b,
             (Self::Stroke { limb: a, frame: f, .. }, Self::Stroke { limb: b, frame: g, .. }) => (a, f) == (b, g),
             (Self::Mask { frame: a, .. }, Self::Mask { frame: b, .. }) => a == b,
@@ -108,12 +117,15 @@ impl Edit {
     /// The part of [`Self::apply`] that changes places in the rig.
     fn draw(&self, rig: &mut Rig) -> Result<Self> {
         match self {
-            Self::InsertLimb { at, limb, strokes } => {
+            Self::InsertLimb { at, limb, strokes, depths } => {
                 inside("limb", *at, rig.limbs.len() + 1)?;
                 rig.limbs.insert(*at, limb.clone());
                 renumber(rig, |l| Some(if l >= *at { l + 1 } else { l }));
                 for (frame, drawn) in strokes {
                     set_stroke(rig, *at, *frame, Some(drawn));
+                }
+                for (frame, mark) in depths {
+                    set_depth(rig, *at, *frame, Some(*mark));
                 }
                 Ok(Self::RemoveLimb { at: *at })
             }
@@ -121,9 +133,11 @@ impl Edit {
                 inside("limb", *at, rig.limbs.len())?;
                 let drawn = |s: &Stroke| Drawn { points: s.points.clone(), facing: s.facing };
                 let strokes = rig.keys_of(*at).map(|(frame, s)| (frame, drawn(s))).collect();
+                let marks = |k: &KeyFrame| Some((k.frame, *k.depths.iter().find(|d| d.limb == *at)?));
+                let depths = rig.keyframes.iter().filter_map(marks).collect();
                 let limb = rig.limbs.remove(*at);
                 renumber(rig, |l| (l != *at).then_some(if l > *at { l - 1 } else { l }));
-                Ok(Self::InsertLimb { at: *at, limb, strokes })
+                Ok(Self::InsertLimb { at: *at, limb, strokes, depths })
             }
             Self::Limb { at, limb } => {
                 inside("limb", *at, rig.limbs.len())?;
@@ -133,6 +147,11 @@ impl Edit {
                 inside("limb", *limb, rig.limbs.len())?;
                 let drawn = set_stroke(rig, *limb, *frame, drawn.as_ref());
                 Ok(Self::Stroke { limb: *limb, frame: *frame, drawn })
+            }
+            Self::Depth { limb, frame, mark } => {
+                inside("limb", *limb, rig.limbs.len())?;
+                let mark = set_depth(rig, *limb, *frame, *mark);
+                Ok(Self::Depth { limb: *limb, frame: *frame, mark })
             }
             Self::InsertPaint { frame, at, paint } => on_frame(rig, *frame, |key| {
                 inside("paint", *at, key.paint.len() + 1)?;
@@ -169,6 +188,7 @@ fn inside(what: &str, index: usize, count: usize) -> Result<()> {
 fn renumber(rig: &mut Rig, number: impl Fn(usize) -> Option<usize>) {
     for key in &mut rig.keyframes {
         key.strokes.retain_mut(|s| number(s.limb).map(|l| s.limb = l).is_some());
+        key.depths.retain_mut(|d| number(d.limb).map(|l| d.limb = l).is_some());
     }
     drop_empty(rig);
 }
@@ -186,6 +206,18 @@ fn set_stroke(rig: &mut Rig, limb: usize, frame: usize, drawn: Option<&Drawn>) -
     on_frame(rig, frame, change)
 }
 
+/// Marks or unmarks a limb's depth; gives the mark before it.
+fn set_depth(rig: &mut Rig, limb: usize, frame: usize, mark: Option<LimbDepth>) -> Option<LimbDepth> {
+    on_frame(rig, frame, |key| {
+        let at = key.depths.partition_point(|d| d.limb < limb);
+        let old = key.depths.get(at).is_some_and(|d| d.limb == limb).then(|| key.depths.remove(at));
+        if let Some(mark) = mark {
+            key.depths.insert(at, LimbDepth { limb, ..mark });
+        }
+        old
+    })
+}
+
 /// Changes the key frame at `frame`, which is made where there is none and goes when nothing is left on it.
 fn on_frame<T>(rig: &mut Rig, frame: usize, change: impl FnOnce(&mut KeyFrame) -> T) -> T {
     let at = rig.keyframes.partition_point(|k| k.frame < frame);
@@ -198,7 +230,7 @@ fn on_frame<T>(rig: &mut Rig, frame: usize, change: impl FnOnce(&mut KeyFrame) -
 }
 
 fn is_empty(key: &KeyFrame) -> bool {
-    key.strokes.is_empty() && key.paint.is_empty() && key.mask.is_none()
+    key.strokes.is_empty() && key.depths.is_empty() && key.paint.is_empty() && key.mask.is_none()
 }
 
 fn drop_empty(rig: &mut Rig) {
@@ -208,7 +240,10 @@ fn drop_empty(rig: &mut Rig) {
 /// Edits rely on this order, and undo restores it.
 fn is_tidy(rig: &Rig) -> bool {
     rig.keyframes.is_sorted_by_key(|k| k.frame)
-        && rig.keyframes.iter().all(|k| !is_empty(k) && k.strokes.is_sorted_by_key(|s| s.limb))
+        && rig
+            .keyframes
+            .iter()
+            .all(|k| !is_empty(k) && k.strokes.is_sorted_by_key(|s| s.limb) && k.depths.is_sorted_by_key(|d| d.limb))
 }
 
 fn tidy(rig: &mut Rig) {
@@ -216,5 +251,6 @@ fn tidy(rig: &mut Rig) {
     rig.keyframes.sort_by_key(|k| k.frame);
     for key in &mut rig.keyframes {
         key.strokes.sort_by_key(|s| s.limb);
+        key.depths.sort_by_key(|d| d.limb);
     }
 }

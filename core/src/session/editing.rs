@@ -16,7 +16,7 @@ use super::outdated::Outdated;
 use super::parameters::Value;
 use crate::error::{Error, Result};
 use crate::motion::Motion;
-use crate::rig::{Facing, Limb, Paint, Rig, Side};
+use crate::rig::{Facing, Limb, LimbDepth, Paint, Rig, Side};
 
 impl Session {
     /// Chooses the clip, or none. As long as nothing is drawn the rig takes the clip's size; what is drawn keeps the
@@ -45,7 +45,7 @@ impl Session {
     pub fn add_limb(&mut self, label: &str, side: Option<Side>) -> Result<Outdated> {
         let limb = Limb { label: label.to_owned(), side };
         let at = self.document.inputs.rig.limbs.len();
-        self.edit(&format!("add `{label}`"), Edit::InsertLimb { at, limb, strokes: Vec::new() })
+        self.edit(&format!("add `{label}`"), Edit::InsertLimb { at, limb, strokes: Vec::new(), depths: Vec::new() })
     }
 
     /// Removes a limb with its strokes; those behind it move down.
@@ -95,6 +95,16 @@ impl Session {
     pub fn remove_stroke(&mut self, limb: usize, frame: usize) -> Result<Outdated> {
         let label = format!("wipe `{}` off frame {frame}", self.label(limb));
         self.edit(&label, Edit::Stroke { limb, frame, drawn: None })
+    }
+
+    /// Says where a limb is in depth on a frame, or with [`None`] no longer. The mark's limb is `limb`.
+    ///
+    /// # Errors
+    /// There is no such limb, or the depth is no place that a limb can be.
+    pub fn set_depth(&mut self, limb: usize, frame: usize, mark: Option<LimbDepth>) -> Result<Outdated> {
+        let mark = mark.filter(|m| m.depth.is_some() || m.bend.is_some());
+        let label = format!("depth of `{}` on frame {frame}", self.label(limb));
+        self.edit(&label, Edit::Depth { limb, frame, mark })
     }
 
     /// Paints a hint for the segmenter on a frame, over those that are there.

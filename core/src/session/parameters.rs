@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use crate::error::{Error, Result};
 use crate::export::FolderOptions;
 use crate::segment::{self, SegmentParams};
-use crate::shape::creature::CreatureParams;
+use crate::shape::creature::{self, CreatureParams};
 use crate::track::limb::{self, LimbParams};
 
 /// A parameter's value.
@@ -147,7 +147,7 @@ macro_rules! helper {
 }
 
 /// All parameters, in the order in which they are shown.
-pub static PARAMETERS: [Parameter; 30] = [
+pub static PARAMETERS: [Parameter; 33] = [
     helper!("track.plugin", tracker, "The plugin that follows limbs, by its id; empty for the built-in tracker."),
     choice!(track.method, "space-time" => limb::Method::SpaceTime, "paper" => limb::Method::Paper;
         "How limbs are followed between key frames."),
@@ -174,13 +174,17 @@ pub static PARAMETERS: [Parameter; 30] = [
         creature.foreshortened,
         "Share of its longest length below which a limb leaves the image plane."
     ),
+    number!(Number(0.0, 10.0), creature.spread, "How far limbs of a pair stand apart, times what their body says."),
     number!(Whole(0.0, 20.0), creature.settling_rounds, "How often limbs are moved into the middle of their pixels."),
     number!(Number(0.01, 10_000.0), creature.settling_stiffness, "How stiffly limbs bend while they settle."),
+    choice!(creature.surface, "tubes" => creature::Surface::Tubes, "skin" => creature::Surface::Skin;
+        "What covers the limbs: one connected skin, or a tube around each."),
     switch!(creature.fill_silhouette, "Cover what limbs miss of the silhouette, such as ears and hooves."),
     number!(Number(0.5, 20.0), creature.patch_step, "Size of the triangles that do, in pixels of a 512-pixel clip."),
     number!(Whole(6.0, 128.0), creature.around, "Vertices around a limb."),
     number!(Whole(1.0, 64.0), creature.max_bones, "Largest number of bones of a limb."),
     number!(Whole(64.0, 8192.0), creature.max_texture, "Longest side of a texture, in pixels."),
+    number!(Whole(1.0, 1024.0), creature.texture_views, "Most frames that give colours; 1 takes the key frame alone."),
     switch!(export.obj, "Also write a mesh for each frame."),
     switch!(export.gifs, "Also write overlay.gif and preview.gif."),
     number!(Number(1e-6, 1e6), export.scale, "Metres for a pixel of the clip in glTF."),

@@ -176,8 +176,9 @@ fn bounds(model: &RiggedModel) -> (Vec3, Vec3) {
     if low.is_finite() { (low, high) } else { (Vec3::ZERO, Vec3::ZERO) }
 }
 
-/// The pose at a fractional frame: as it is on whole frames, blended between them.
-fn between(animation: &[Vec<Transform>], at: f64, looped: bool) -> Vec<Transform> {
+/// The pose of an animation, of at least a frame, at a fractional one: as it is on whole frames, blended between them.
+/// `looped`, its last frame is followed by its first; else it stays where it begins and ends.
+pub fn between(animation: &[Vec<Transform>], at: f64, looped: bool) -> Vec<Transform> {
     let count = animation.len();
     let (a, b, share) = if looped {
         let at = at.rem_euclid(count as f64);

@@ -4,6 +4,7 @@ pub mod character;
 pub mod creature;
 pub mod crowd;
 mod rigged_model;
+pub mod solid;
 
 pub use rigged_model::{Bone, RiggedModel, SkinnedPart, Transform};
 pub mod sketch;

@@ -22,6 +22,7 @@ fn creature(frames: usize) -> Creature {
         length: 45.5,
         radius: 5.25,
         offset: 6.0,
+        settled: vec![marey::Vec2::new(0.5, -1.25); 6],
     };
     let body = |at_end| Some(Hold { limb: 0, at_end });
     let limbs =
@@ -142,9 +143,9 @@ fn what_cannot_be_a_creature_is_refused_by_name() {
     refused(&rewritten(&good, |v| v["accessors"][1]["count"] = 4_000_000_000u64.into()), "elements");
     refused(
         &rewritten(&good, |v| {
-            v["nodes"].as_array_mut().expect("nodes").iter_mut().for_each(|n| {
-                n.as_object_mut().expect("a node").remove("mesh");
-            })
+            for node in v["nodes"].as_array_mut().expect("nodes") {
+                node.as_object_mut().expect("a node").remove("mesh");
+            }
         }),
         "no mesh",
     );

@@ -65,8 +65,6 @@ impl Context {
 
     /// Starts the whole job.
     pub fn start_creature(&self, clip: &Clip, rig: &Rig, options: &CreatureOptions<'_>) -> Result<Job> {
-        let CreatureOptions { tracker, segmenter, folder, write_obj } = options;
-        let id = sys::start_creature(&self.0, (clip.id, rig.id), tracker, segmenter, folder, *write_obj)?;
-        Ok(Job { id, context: self.clone() })
+        Ok(Job { id: sys::start_creature(&self.0, (clip.id, rig.id), options)?, context: self.clone() })
     }
 }

@@ -85,6 +85,47 @@ impl Creature {
     }
 }
 
+/// How a creature is posed.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct ReposeOptions<'a> {
+    /// Whether bones keep their lengths; none for what poses and motions do by themselves.
+    pub keep_lengths: Option<bool>,
+    /// A limb gets at most this many times its length; 0 for 1.25.
+    pub stretch: f32,
+    /// What the way of the roots is scaled by; none for the ratio of the limbs' lengths.
+    pub root_scale: Option<f32>,
+    /// Whether left and right of a motion change places.
+    pub mirror: bool,
+    /// How many frames to make of key poses; 0 for up to the last key.
+    pub frames: u64,
+    /// The text of a map.json that says which limb follows what of a motion; empty to match by names.
+    pub map: &'a str,
+}
+
+impl Creature {
+    /// The creature moving from key pose to key pose: the text of a strokes.json.
+    pub fn repose(&self, poses: &str, options: &ReposeOptions<'_>) -> Result<Creature> {
+        let id = sys::creature_repose(&self.context.0, self.id, poses, options)?;
+        Ok(Creature { id, context: self.context.clone() })
+    }
+
+    /// The creature moving as a motion does.
+    pub fn drive(&self, motion: &Motion, options: &ReposeOptions<'_>) -> Result<Creature> {
+        let id = sys::creature_drive(&self.context.0, self.id, motion.id, options)?;
+        Ok(Creature { id, context: self.context.clone() })
+    }
+
+    /// Which limb follows what of a motion, as the text of a map.json.
+    pub fn matched(&self, motion: &Motion, map: &str) -> Result<String> {
+        sys::creature_match(&self.context.0, self.id, motion.id, map)
+    }
+
+    /// How hard the animation pulls the limbs, as JSON.
+    pub fn strain(&self) -> Result<String> {
+        sys::creature_strain(&self.context.0, self.id)
+    }
+}
+
 impl Drop for Creature {
     fn drop(&mut self) {
         sys::creature_destroy(&self.context.0, self.id);

@@ -37,6 +37,10 @@ pub struct CreatureOptions<'a> {
     pub folder: &'a str,
     /// With a folder, also a mesh for each frame.
     pub write_obj: bool,
+    /// How deep limbs are for their width: `body=0.8,tail=1.2`; empty for what is usual.
+    pub depths: &'a str,
+    /// How far limbs of a pair stand apart, times what is usual; 0 for 1.
+    pub spread: f32,
 }
 
 /// Long work. Dropped before its end it is cancelled.

@@ -9,6 +9,7 @@ use std::ptr;
 use marey_ffi::*;
 
 use crate::error::{Error, Result};
+use crate::job::CreatureOptions;
 
 /// A live context. Destroyed when dropped.
 #[derive(Debug)]
@@ -80,13 +81,21 @@ macro_rules! call {
 mod control_points;
 mod drawing;
 mod joints;
+mod motion_shaping;
 mod plugin;
+mod print;
+mod render;
+mod reposing;
 mod session;
 mod sketch;
 pub(crate) use control_points::*;
 pub(crate) use drawing::*;
 pub(crate) use joints::*;
+pub(crate) use motion_shaping::*;
 pub(crate) use plugin::*;
+pub(crate) use print::*;
+pub(crate) use render::*;
+pub(crate) use reposing::*;
 pub(crate) use session::*;
 pub(crate) use sketch::*;
 
@@ -105,10 +114,12 @@ destroy!(rig_destroy, mry_rig_destroy, mry_rig);
 destroy!(motion_destroy, mry_motion_destroy, mry_motion);
 destroy!(masks_destroy, mry_masks_destroy, mry_masks);
 destroy!(creature_destroy, mry_creature_destroy, mry_creature);
+destroy!(crowd_destroy, mry_crowd_destroy, mry_crowd);
 destroy!(job_destroy, mry_job_destroy, mry_job);
 destroy!(joints_destroy, mry_joints_destroy, mry_joints);
 destroy!(binding_destroy, mry_binding_destroy, mry_binding);
 destroy!(sketch_take_destroy, mry_sketch_take_destroy, mry_sketch_take);
+destroy!(solid_destroy, mry_solid_destroy, mry_solid);
 destroy!(drawing_destroy, mry_drawing_destroy, mry_drawing);
 destroy!(control_points_destroy, mry_control_points_destroy, mry_control_points);
 destroy!(session_destroy, mry_session_destroy, mry_session);
@@ -287,14 +298,12 @@ pub(crate) fn start_segment(
 pub(crate) fn start_creature(
     handle: &Handle,
     (clip, rig): (mry_clip, mry_rig),
-    tracker: &str,
-    segmenter: &str,
-    folder: &str,
-    write_obj: bool,
+    options: &CreatureOptions<'_>,
 ) -> Result<mry_job> {
     let mut desc = sized!(mry_creature_desc_init, mry_creature_desc);
-    (desc.clip, desc.rig, desc.write_obj) = (clip, rig, u32::from(write_obj));
-    (desc.tracker, desc.segmenter, desc.folder) = (str(tracker), str(segmenter), str(folder));
+    (desc.clip, desc.rig, desc.write_obj) = (clip, rig, u32::from(options.write_obj));
+    (desc.tracker, desc.segmenter) = (str(options.tracker), str(options.segmenter));
+    (desc.folder, desc.depths, desc.spread) = (str(options.folder), str(options.depths), options.spread);
     let mut job = mry_job::default();
     call!(mry_job_start_creature(handle, &desc, &mut job))?;
     Ok(job)

@@ -4,6 +4,8 @@ use std::path::PathBuf;
 
 use clap::{Parser, Subcommand};
 
+use crate::motion_args::MotionCommand;
+
 #[derive(Debug, Parser)]
 #[command(
     name = "marey",
@@ -14,9 +16,12 @@ Examples:
   marey demo                                            the whole job on a bundled clip, into ./marey-demo
   marey info horse.mp4                                  what a clip is
   marey creature horse.mp4 --strokes s.json -o horse    a creature, animated and textured, and all that led to it
+  marey print horse --frame 12 --base -o horse.stl      one frame for a 3D printer
   marey track horse.mp4 --strokes s.json -o m.json      only the limbs over time
   marey track walk.gif --joints j.json -o m.json        a character's joints over time
   marey sketch bird.svg --motion m.json -o bird.svg     a vector drawing that takes a motion
+  marey render horse -o horse.gif --turntable           a creature from all sides
+  marey motion loop horse/motion.json -o loop.json      a stride that repeats without a seam
 
 CLIP is a video file (mp4, GIF, APNG, animated WebP; others through an ffmpeg on the PATH) or a folder of numbered
 images. Frames count from 0. Strokes are drawn limbs on key frames, as a marey-strokes file; joints are rectangles on a
@@ -46,12 +51,23 @@ pub(crate) enum Command {
     Segment(Segment),
     /// Make the whole creature: limbs, masks, textured and animated model
     Creature(Creature),
+    /// Draw a creature from any side: a picture, its animation, a turntable
+    Render(Box<Render>),
+    /// Draw many creatures, put them back into their clip, or write them as one glTF file
+    Crowd(Box<Crowd>),
+    /// Make a frame of a creature a solid for a 3D printer
+    Print(Print),
     /// Give a drawing a mesh and a skeleton
     Rig(Rig),
     /// Move a drawing by key poses or by a motion
     Character(Box<Character>),
     /// Carry a motion over to the joints of a drawing
     Retarget(Retarget),
+    /// Loop, smooth, steady or retime a motion, or put it on a creature
+    #[command(subcommand)]
+    Motion(MotionCommand),
+    /// Pose a creature by strokes, or move it by any motion
+    Pose(Box<Pose>),
     /// Lay what moves on a vector drawing
     Bind(Box<Bind>),
     /// Move a vector drawing by a motion
@@ -264,6 +280,155 @@ pub(crate) struct Creature {
     /// Also write meshes/00000.obj, ... in world coordinates
     #[arg(long)]
     pub(crate) obj: bool,
+    /// How deep a limb is toward the viewer for its width; may be repeated
+    #[arg(long, value_name = "LIMB=RATIO")]
+    pub(crate) depth: Vec<String>,
+    /// How far limbs of a pair stand apart, times what is usual [default: 1]
+    #[arg(long, value_name = "F", default_value_t = 0.0, hide_default_value = true)]
+    pub(crate) spread: f32,
+}
+
+/// What of a creature is shown.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub(crate) enum Style {
+    /// The texture's colours as they are
+    Textured,
+    /// The texture under a lamp
+    Shaded,
+    /// The edges of the triangles
+    Wireframe,
+    /// How far the surface is from its bones
+    Radius,
+    /// Which bones move the surface, and the bones
+    Bones,
+    /// How near it is
+    Depth,
+    /// Where the surface faces
+    Normals,
+}
+
+/// Who draws.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub(crate) enum Adapter {
+    /// A GPU where there is one, else the CPU
+    Auto,
+    /// A GPU, or one that a driver simulates
+    Gpu,
+    /// The CPU
+    Cpu,
+}
+
+#[derive(Debug, clap::Args)]
+#[command(after_help = "\
+Examples:
+  marey render fox -o fox.mp4 --background white
+  marey render fox -o fox.png --frame 12 --view 30,15 --style shaded --shadow 0.4
+  marey render fox/creature.glb -o turn.gif --turntable --size 480x360
+  marey render fox -o frames --view clip
+
+OUT's ending says the format: png (one picture with --frame, else animated), gif, apng, webp, mp4, no ending for a folder of
+PNG pictures. --format names any of png, png-dir, sprite-sheet, gif, apng, webp, mp4. --frame shows that frame alone; with
+--turntable the camera goes once around it. The view \"clip\" is the clip's own camera: at the clip's size every picture lies
+on its frame pixel by pixel.")]
+pub(crate) struct Render {
+    /// A creature's folder, or its creature.glb
+    #[arg(value_name = "CREATURE")]
+    pub(crate) creature: PathBuf,
+    #[command(flatten)]
+    pub(crate) look: Look,
+}
+
+#[derive(Debug, clap::Args)]
+#[command(after_help = "\
+Examples:
+  marey crowd fox --count 9 -o herd.mp4 --view 20,20 --background white --shadow 0.4
+  marey crowd fox --count 5 --into fox.mp4 -o many.mp4
+  marey crowd foxes.json -o foxes.glb
+
+CROWD is a creature (its folder or creature.glb), which stands in rows, out of step, or a file that says who stands where:
+  {\"format\": \"marey-crowd\", \"version\": 1, \"creatures\": [\"fox\"], \"frames\": 60, \"instances\": [
+    {\"creature\": 0, \"at\": [0, 0, 0]},
+    {\"creature\": 0, \"at\": [150, 0, -120], \"yaw\": 180, \"scale\": 0.8, \"start\": 12, \"speed\": 1.2, \"loop\": true}]}
+Places are in pixels of the clip, moved from where the creature was filmed: x right, y up, z toward the viewer. OUT's ending
+says the format: glb for one file with all of it, else as for marey render. --into puts the crowd back into the clip: who has
+a z below 0 is hidden by the creature that was filmed, by the masks in its folder or in --masks.")]
+pub(crate) struct Crowd {
+    /// A creature, or a file that says who stands where
+    #[arg(value_name = "CROWD")]
+    pub(crate) crowd: PathBuf,
+    /// How many of the creature
+    #[arg(long, value_name = "N")]
+    pub(crate) count: Option<u32>,
+    /// Put it back into this clip
+    #[arg(long, value_name = "CLIP")]
+    pub(crate) into: Option<PathBuf>,
+    /// Pictures of who was filmed, bright where it is, a folder [default: masks in the creature's folder]
+    #[arg(long, value_name = "DIR", requires = "into")]
+    pub(crate) masks: Option<PathBuf>,
+    /// With --into: draw the crowd alone, on nothing, with what hides it cut out
+    #[arg(long, requires = "into")]
+    pub(crate) alone: bool,
+    /// With .glb: metres a pixel of the clip
+    #[arg(long, value_name = "M", default_value_t = 1.0)]
+    pub(crate) scale: f32,
+    #[command(flatten)]
+    pub(crate) look: Look,
+}
+
+/// How creatures are looked at, and into which file.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Look {
+    /// The file or folder to write
+    #[arg(short, long, value_name = "OUT")]
+    pub(crate) output: PathBuf,
+    /// The format, where OUT's ending does not say it
+    #[arg(long, value_name = "NAME")]
+    pub(crate) format: Option<String>,
+    /// From where: degrees to the right and from above, or "clip" [default: clip, or 0,15 with --turntable]
+    #[arg(long, value_name = "YAW,PITCH", allow_hyphen_values = true)]
+    pub(crate) view: Option<String>,
+    /// Degrees between the bottom and the top of the picture; 0 to look in parallel
+    #[arg(long, value_name = "DEGREES", default_value_t = 30.0)]
+    pub(crate) fov: f32,
+    /// Look at this place of the creature's world, rather than at its middle
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, requires = "distance")]
+    pub(crate) target: Option<String>,
+    /// World units (pixels of the clip) from the eye to the target, or with --fov 0 as high as the picture
+    #[arg(long, value_name = "UNITS", requires = "target")]
+    pub(crate) distance: Option<f32>,
+    /// The camera goes once around
+    #[arg(long)]
+    pub(crate) turntable: bool,
+    /// How often it goes around, to the left below 0
+    #[arg(long, value_name = "N", allow_negative_numbers = true, conflicts_with = "turntable")]
+    pub(crate) turns: Option<f32>,
+    /// Pixels across and down [default: the clip's]
+    #[arg(long, value_name = "WxH")]
+    pub(crate) size: Option<String>,
+    /// Show this frame alone
+    #[arg(long, value_name = "N")]
+    pub(crate) frame: Option<u64>,
+    /// How many pictures [default: as the animation has; a turntable of one frame takes 72]
+    #[arg(long, value_name = "N")]
+    pub(crate) frames: Option<u64>,
+    /// Pictures a second [default: the creature's]
+    #[arg(long, value_name = "F")]
+    pub(crate) fps: Option<f64>,
+    /// What is shown
+    #[arg(long, value_enum, default_value_t = Style::Textured)]
+    pub(crate) style: Style,
+    /// What lies behind: #rrggbb, #rrggbbaa, none, white, black
+    #[arg(long, value_name = "COLOR", default_value = "none")]
+    pub(crate) background: String,
+    /// How dark the shadow on the floor is, 0 for none to 1
+    #[arg(long, value_name = "S", default_value_t = 0.0)]
+    pub(crate) shadow: f32,
+    /// Do not smooth edges
+    #[arg(long)]
+    pub(crate) hard_edges: bool,
+    /// Who draws
+    #[arg(long, value_enum, default_value_t = Adapter::Auto)]
+    pub(crate) adapter: Adapter,
 }
 
 #[derive(Debug, clap::Args)]
@@ -418,6 +583,66 @@ pub(crate) struct Retarget {
     pub(crate) output: PathBuf,
 }
 
+/// Whether a creature's bones keep their lengths.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub(crate) enum Lengths {
+    /// Strokes only show directions.
+    Kept,
+    /// Limbs are as long as their strokes, within the stretch.
+    Drawn,
+}
+
+#[derive(Debug, clap::Args)]
+#[command(after_help = "\
+Examples:
+  marey pose out/creature.glb --poses poses.json -o reared.glb
+  marey pose horse/creature.glb --motion fox/motion.json -o horse-as-fox.glb
+  marey pose horse/creature.glb --motion walk.bvh --map map.json -o walk.glb
+
+POSES.json is a strokes.json whose key frames are the poses, with \"easing\" (linear, in, out, inout, hold) on a key frame.
+MAP.json says which limb follows what: {\"limbs\": {\"hind_near\": {\"tracks\": [\"hip\", \"knee\", \"foot\"]}}}.")]
+pub(crate) struct Pose {
+    /// A creature.glb, or a creature's folder
+    #[arg(value_name = "CREATURE")]
+    pub(crate) creature: PathBuf,
+    /// Key poses
+    #[arg(long, value_name = "POSES.json", conflicts_with = "motion", required_unless_present = "motion")]
+    pub(crate) poses: Option<PathBuf>,
+    /// A motion of anything: motion.json, or a BVH file
+    #[arg(long, value_name = "MOTION")]
+    pub(crate) motion: Option<PathBuf>,
+    /// Which limb follows what; without it names decide
+    #[arg(long, value_name = "MAP.json", requires = "motion")]
+    pub(crate) map: Option<PathBuf>,
+    /// Write the map that was used, to correct it and give it back
+    #[arg(long, value_name = "MAP.json", requires = "motion")]
+    pub(crate) keep_map: Option<PathBuf>,
+    /// The file to write
+    #[arg(short, long, value_name = "OUT.glb")]
+    pub(crate) output: PathBuf,
+    /// Frames a second [default: as the poses say, or the creature's]
+    #[arg(long, value_name = "F", requires = "poses")]
+    pub(crate) fps: Option<f64>,
+    /// How many frames to make [default: up to the last key]
+    #[arg(long, value_name = "N", requires = "poses", value_parser = clap::value_parser!(u64).range(1..))]
+    pub(crate) frames: Option<u64>,
+    /// Whether bones keep their lengths [default: drawn for poses, kept for motions]
+    #[arg(long, value_enum)]
+    pub(crate) lengths: Option<Lengths>,
+    /// A limb gets at most this many times its length [default: 1.25]
+    #[arg(long, value_name = "F", default_value_t = 0.0, hide_default_value = true)]
+    pub(crate) stretch: f32,
+    /// What the way of the whole creature is scaled by; 0 to stay in place [default: by the limbs' lengths]
+    #[arg(long, value_name = "F", allow_negative_numbers = true, requires = "motion")]
+    pub(crate) root_scale: Option<f32>,
+    /// Turn a motion that runs the other way
+    #[arg(long, requires = "motion")]
+    pub(crate) mirror: bool,
+    /// From where a BVH file is seen
+    #[arg(long, value_enum, default_value_t = View::Front)]
+    pub(crate) view: View,
+}
+
 /// What says where a motion holds a drawing.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Laying {
@@ -520,6 +745,47 @@ pub(crate) struct Sketch {
     /// Also write the binding that was used, to correct it
     #[arg(long, value_name = "BIND.json")]
     pub(crate) keep_bind: Option<PathBuf>,
+}
+
+#[derive(Debug, clap::Args)]
+#[command(after_help = "\
+Examples:
+  marey print horse --frame 12 --base -o horse.stl
+  marey print horse/creature.glb --frame 12 --height 60 --min-thickness 1.2 -o horse.3mf
+
+The result is one closed surface in millimetres, whatever the creature, and stands upright on the bed: no repair is
+needed. STL is the form alone; 3MF has units and colours.")]
+pub(crate) struct Print {
+    /// A creature.glb, or the folder of a creature
+    #[arg(value_name = "CREATURE")]
+    pub(crate) creature: PathBuf,
+    /// Which frame
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub(crate) frame: u64,
+    /// The file to write, .stl or .3mf
+    #[arg(short, long, value_name = "OUT")]
+    pub(crate) output: PathBuf,
+    /// The longest side, in mm, before thin parts and a base make it larger
+    #[arg(long, value_name = "MM", default_value_t = 100.0)]
+    pub(crate) size: f32,
+    /// The height instead, in mm
+    #[arg(long, value_name = "MM", conflicts_with = "size")]
+    pub(crate) height: Option<f32>,
+    /// Millimetres a world unit instead: frames of one creature keep their relative size
+    #[arg(long, value_name = "MM", conflicts_with_all = ["size", "height"])]
+    pub(crate) mm_per_unit: Option<f32>,
+    /// Make thinner parts so thick, in mm; 0 leaves them as they are
+    #[arg(long, value_name = "MM", default_value_t = 1.0)]
+    pub(crate) min_thickness: f32,
+    /// The smallest detail, in mm [default: by size and thickness]
+    #[arg(long, value_name = "MM")]
+    pub(crate) detail: Option<f32>,
+    /// Put a plate under the feet and join all of them to it
+    #[arg(long)]
+    pub(crate) base: bool,
+    /// At most so many triangles [default: as many as the detail takes]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(100..))]
+    pub(crate) max_triangles: Option<u32>,
 }
 
 #[derive(Debug, clap::Args)]

@@ -6,6 +6,7 @@
 mod args;
 mod commands;
 mod failure;
+mod motion_args;
 mod say;
 mod watch;
 
@@ -47,10 +48,15 @@ fn run(args: &Args) -> Result<(), Failure> {
         Command::Track(track) => commands::track(&session, track),
         Command::Segment(segment) => commands::segment(&session, segment),
         Command::Creature(creature) => commands::creature(&session, creature),
+        Command::Render(render) => commands::render(&session, render),
+        Command::Crowd(crowd) => commands::crowd(&session, crowd),
+        Command::Print(print) => commands::print(&session, print),
         Command::Demo(demo) => commands::demo(&session, demo),
         Command::Rig(rig) => commands::rig(&session, rig),
         Command::Character(character) => commands::character(&session, character),
         Command::Retarget(retarget) => commands::retarget(&session, retarget),
+        Command::Motion(command) => commands::motion(&session, command),
+        Command::Pose(pose) => commands::pose(&session, pose),
         Command::Bind(bind) => commands::bind(&session, bind),
         Command::Sketch(sketch) => commands::sketch(&session, sketch),
         Command::Path(path) => commands::path(&session, path),

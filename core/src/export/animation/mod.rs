@@ -19,8 +19,8 @@ use std::path::{Path, PathBuf};
 use image::{RgbaImage, imageops};
 use rayon::prelude::*;
 
-use super::gif;
 use super::write_aside::write_aside;
+use super::{format_name, gif};
 use crate::error::{Error, Result};
 use crate::job::Stage;
 
@@ -46,6 +46,27 @@ pub enum AnimationFormat {
     WebP,
     /// H.264 in mp4, over white where nothing is behind.
     Mp4,
+}
+
+impl AnimationFormat {
+    /// All of them with their names.
+    pub const ALL: [(Self, &'static str); 6] = [
+        (Self::PngFolder, "png-dir"),
+        (Self::SpriteSheet, "sprite-sheet"),
+        (Self::Gif, "gif"),
+        (Self::Apng, "apng"),
+        (Self::WebP, "webp"),
+        (Self::Mp4, "mp4"),
+    ];
+
+    /// The format called `name`, or else the one that the path's ending stands for: `.png` is an animated PNG, no ending a
+    /// folder of pictures.
+    ///
+    /// # Errors
+    /// A name or an ending that is not known.
+    pub fn choose(name: Option<&str>, path: &Path) -> Result<Self> {
+        format_name::choose(&Self::ALL, name, path)
+    }
 }
 
 /// An animation to be written.

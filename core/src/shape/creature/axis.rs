@@ -29,7 +29,7 @@ impl Axis {
     /// The axis along a track, `reversed` where the track starts at the end away from the root.
     pub(super) fn new(track: &Track, reversed: bool, extension: f32) -> Self {
         let length = track.frames.iter().map(|f| polyline::length(&f.points)).fold(0.0, f32::max);
-        let core = ((length / SPACING).ceil() as usize + 1).clamp(8, MAX_SAMPLES);
+        let core = samples_over(length);
         let extra = ((core - 1) as f32 * extension.clamp(0.0, 1.0)).ceil() as usize;
         let mut axis = Self {
             frames: Vec::with_capacity(track.frames.len()),
@@ -71,6 +71,11 @@ impl Axis {
     pub(super) fn spacing(&self) -> f32 {
         self.length / (self.last - self.first) as f32
     }
+}
+
+/// How many samples a stroke of a length gets.
+pub(super) fn samples_over(length: f32) -> usize {
+    ((length / SPACING).ceil() as usize + 1).clamp(8, MAX_SAMPLES)
 }
 
 /// The polyline with `extra` more points at each end, straight on at its mean spacing.

@@ -44,8 +44,8 @@ pub(super) struct Patch {
 
 /// A pixel in a limb's own coordinates.
 #[derive(Clone, Copy)]
-struct Hold {
-    sample: usize,
+pub(super) struct Hold {
+    pub sample: usize,
     along: f32,
     across: f32,
 }
@@ -60,6 +60,23 @@ pub(super) fn patches(
     step: f32,
     stage: Stage<'_>,
 ) -> Result<Vec<Option<Patch>>> {
+    let lattices = lattices(limbs, rest, masks, front, step, stage)?;
+    let meshes = lattices
+        .par_iter()
+        .zip(limbs)
+        .map(|(lattice, limb)| lattice.as_ref().and_then(|lattice| mesh_of(limb, rest, &limb.normals(rest), lattice)));
+    Ok(meshes.collect())
+}
+
+/// What is inflated on every limb, as heights.
+pub(super) fn lattices(
+    limbs: &[LimbShape],
+    rest: usize,
+    masks: &[Mask],
+    front: &Rasterizer,
+    step: f32,
+    stage: Stage<'_>,
+) -> Result<Vec<Option<Lattice>>> {
     let mask = &masks[rest];
     let (width, height) = (mask.width(), mask.height());
     let witnesses: Vec<usize> = (0..masks.len()).step_by(masks.len().div_ceil(WITNESSES).max(1)).collect();
@@ -131,7 +148,8 @@ fn owner(
     best.1
 }
 
-fn hold(p: Vec2, points: &[Vec2], normals: &[Vec2]) -> Hold {
+/// Where a pixel lies from the nearest sample of an axis.
+pub(super) fn hold(p: Vec2, points: &[Vec2], normals: &[Vec2]) -> Hold {
     let nearest = points
         .iter()
         .enumerate()
@@ -143,14 +161,33 @@ fn hold(p: Vec2, points: &[Vec2], normals: &[Vec2]) -> Hold {
 }
 
 /// The lattice over one limb's pixels.
-struct Lattice {
+pub(super) struct Lattice {
     left: f32,
     top: f32,
-    step: f32,
+    /// Clip pixels between points.
+    pub step: f32,
     /// How far each point is inside the sheet: the outline is at one half.
-    inside: Grid<f32>,
+    pub inside: Grid<f32>,
     /// Height over the axis, in clip pixels.
-    height: Grid<f32>,
+    pub height: Grid<f32>,
+}
+
+impl Lattice {
+    /// The clip pixel of a place on the lattice.
+    pub(super) fn place(&self, x: f32, y: f32) -> Vec2 {
+        vec2(self.left + x * self.step, self.top + y * self.step)
+    }
+
+    /// The place on the lattice of a clip pixel.
+    pub(super) fn local(&self, p: Vec2) -> Vec2 {
+        (p - vec2(self.left, self.top)) / self.step
+    }
+
+    /// The clip pixels that it lies over: the top left and the bottom right.
+    pub(super) fn bounds(&self) -> (Vec2, Vec2) {
+        let last = vec2(self.inside.width() as f32 - 1.0, self.inside.height() as f32 - 1.0);
+        (self.place(0.0, 0.0), self.place(last.x, last.y))
+    }
 }
 
 fn sheet(
@@ -162,7 +199,7 @@ fn sheet(
     mask: &Mask,
     front: &Rasterizer,
     step: f32,
-) -> Option<Patch> {
+) -> Option<Lattice> {
     let id = l as u16 + 1;
     let (mut lo, mut hi) = (vec2(f32::INFINITY, f32::INFINITY), vec2(f32::NEG_INFINITY, f32::NEG_INFINITY));
     for y in 0..owners.height() {
@@ -233,8 +270,7 @@ fn sheet(
         let p = vec2(left + x as f32 * step, top + y as f32 * step);
         tube_height(limb, hold(p, &limb.axis.frames[rest], normals))
     });
-    let lattice = Lattice { left, top, step, inside, height };
-    mesh_of(limb, rest, normals, &lattice)
+    Some(Lattice { left, top, step, inside, height })
 }
 
 /// The owned lattice points of components that are thick enough somewhere to be a shape and touch the limb's own tube:
@@ -300,7 +336,7 @@ fn reach_inside(core: &Grid<bool>, most: f32) -> Grid<f32> {
 }
 
 /// Two sweeps over a grid that carry values to neighbours: straight steps cost 1, diagonal ones 1.414.
-fn chamfer(grid: &mut Grid<f32>, step: impl Fn(f32, f32) -> f32, better: impl Fn(f32, f32) -> f32) {
+pub(super) fn chamfer(grid: &mut Grid<f32>, step: impl Fn(f32, f32) -> f32, better: impl Fn(f32, f32) -> f32) {
     let (w, h) = (grid.width() as isize, grid.height() as isize);
     let diagonal = std::f32::consts::SQRT_2;
     let sides = [(-1, 0, 1.0), (0, -1, 1.0), (-1, -1, diagonal), (1, -1, diagonal)];
@@ -367,7 +403,7 @@ fn mesh_of(limb: &LimbShape, rest: usize, normals: &[Vec2], lattice: &Lattice) -
     let mut out = Patch { mesh: TriMesh::default(), samples: Vec::new(), bounds: [0.0; 4] };
     let (mut lo, mut hi) = (Vec2::INFINITY, Vec2::NEG_INFINITY);
     let mut push = |at: Vec2, rise: f32| {
-        let p = vec2(lattice.left, lattice.top) + at * lattice.step;
+        let p = lattice.place(at.x, at.y);
         let sample = hold(p, &limb.axis.frames[rest], normals).sample;
         let base = limb.z[rest][sample];
         (lo, hi) = (lo.min(p), hi.max(p));

@@ -17,12 +17,19 @@ pub(super) struct LimbShape {
     pub twin: Option<usize>,
     /// The limb it hangs from, and whether from that limb's end (else its start), counted from the root.
     pub parent: Option<(usize, bool)>,
+    /// The thicker limb that it is part of where it begins, and whether that one ends there (else begins): a leg's is the
+    /// body, whatever stroke the skeleton's root lies on.
+    pub trunk: Option<(usize, bool)>,
     /// Whether other limbs are joined to its start and to its end.
     pub joined: (bool, bool),
     /// The axis in the image.
     pub axis: Axis,
     /// The axis' depth toward the viewer, `[frame][sample]`.
     pub z: Vec<Vec<f32>>,
+    /// How far toward the viewer its end stands from its start in every frame.
+    pub rise: Vec<f32>,
+    /// How far its free part stands from where it would in every frame, toward the viewer.
+    pub depth: Vec<f32>,
     /// How far beyond its hip it stands from what it hangs from, toward the viewer.
     pub offset: f32,
     /// Radii in the image plane.
@@ -43,6 +50,11 @@ impl LimbShape {
         let share = sample - i as f32;
         let p = points[i].lerp(points[j], share);
         vec3(p.x, self.clip_height - p.y, z[i] + (z[j] - z[i]) * share)
+    }
+
+    /// The stroke itself in a frame, from the end nearer to the root, in world coordinates.
+    pub(super) fn curve(&self, frame: usize) -> Vec<Vec3> {
+        (self.axis.first..=self.axis.last).map(|i| self.place(frame, i as f32)).collect()
     }
 
     /// The mean radius along the stroke.

@@ -3,38 +3,57 @@
 
 mod axis;
 mod bones;
+mod chain;
 mod creature_limb;
+mod driving;
+mod edit;
 mod fringe;
 mod limb;
 mod motion;
 mod params;
 mod path;
+mod pose_keys;
+mod posing;
 mod radius;
 mod refine;
+mod reposing;
+mod skin;
+mod strain;
 mod texture;
+pub mod texturing;
 mod tube;
 
+#[cfg(test)]
+mod posing_tests;
 #[cfg(test)]
 mod tests;
 
 use rayon::prelude::*;
 
 pub use creature_limb::{CreatureLimb, Hold};
-pub use params::{CreatureParams, CrossSection, LegSpread};
+pub use driving::{DriveParams, LimbMap, LimbSource};
+pub use edit::{EditKind, EditedMesh, apply_edit};
+pub use params::{CreatureParams, CrossSection, LegSpread, Surface};
+pub use pose_keys::{PoseKey, PoseKeys};
+pub use posing::{LimbPose, PoseParams};
+pub use strain::LimbStrain;
 
 use self::axis::Axis;
 use self::limb::LimbShape;
+use self::texturing::{BakeParams, Footage};
 use super::{RiggedModel, SkinnedPart};
 use crate::clip::{Clip, FrameImage};
 use crate::error::{Error, Result};
 use crate::job::Stage;
 use crate::motion::Motion;
 use crate::raster::{Grid, Mask};
-use crate::rig::{Rig, Side, Skeleton};
+use crate::rig::{LimbChain, Rig, Side, Skeleton};
 use crate::segment::{label_limbs_by_depth, limb_sides};
 
 /// Shortest side of the paper's working resolution, which its pixel constants are for.
 const PAPER_SIZE: f32 = 512.0;
+/// Depth over width of a limb in the middle that hangs from another, as a share of a body's.
+const BRANCH: f32 = 0.8;
 
 /// A reconstructed creature.
 #[derive(Clone, Debug, PartialEq)]
@@ -70,7 +89,8 @@ impl Creature {
             if linked.into_iter().flatten().any(|other| other == l || other >= self.limbs.len()) {
                 return bad("hangs from or pairs with a limb that is not there");
             }
-            if ![limb.length, limb.radius, limb.offset].iter().all(|v| v.is_finite()) {
+            let real = [limb.length, limb.radius, limb.offset].iter().all(|v| v.is_finite());
+            if !(real && limb.settled.iter().all(|v| v.is_finite())) {
                 return bad("holds something that is no number");
             }
         }
@@ -100,6 +120,9 @@ pub fn reconstruct(
     let size = (info.width, info.height);
     rig.validate(Some((size, info.frames)))?;
     check(rig, motion, masks, size)?;
+    if let Some((label, _)) = params.depths.iter().find(|(label, _)| rig.limbs.iter().all(|l| l.label != *label)) {
+        return Err(Error::invalid(format!("depth of `{label}`"), "is of no limb", "name a limb of the rig"));
+    }
     stage.name("fitting")?;
     let frames = motion.frames;
     let rest = rig.keyframes.iter().find(|k| !k.strokes.is_empty()).map_or(0, |k| k.frame).min(frames - 1);
@@ -108,6 +131,7 @@ pub fn reconstruct(
     let twins: Vec<Option<usize>> = (0..rig.limbs.len()).map(|l| rig.twin(l)).collect();
     let labels = label_all(rig, motion, masks, stage.part(0.0, 0.3))?;
     let min_vote = params.min_vote * paper_scale(size);
+    let strokes = axes.clone();
     let votes = radius::vote(&axes, &labels, min_vote, stage.part(0.3, 0.35))?;
     let parents: Vec<Option<usize>> = skeleton.limbs.iter().map(|c| c.parent).collect();
     let mut radii = radius::fit(&axes, &votes, &twins, &parents, params);
@@ -131,13 +155,48 @@ pub fn reconstruct(
         .enumerate()
         .map(|(l, (axis, radii))| shape_limb(rig, &skeleton, l, axis, radii, twins[l], params))
         .collect();
-    let order = root_first(&limbs);
+    find_trunks(&mut limbs, &skeleton);
+    if let CrossSection::Ratio { middle, .. } = params.cross_section {
+        flatten_branches(&mut limbs, middle, params);
+    }
+    let order = root_first(&limbs, |l| l.parent);
     place_in_depth(&mut limbs, &order, rig, params);
-    let bones = bones::lay(&limbs, &order, frames, params.max_bones);
-    let finished = finished_limbs(&limbs, &bones, &skeleton);
+    let mut bones = bones::lay(&limbs, &order, frames, params.max_bones);
     stage.name("texturing")?;
     let picture = clip.frame(rest)?;
-    let parts = build_parts(&limbs, &bones, rest, &picture.rgb, masks, params, stage.part(0.6, 1.0))?;
+    let parts = match params.surface {
+        Surface::Tubes => build_parts(&limbs, &bones, rest, &picture.rgb, masks, params, stage.part(0.6, 0.7))?,
+        Surface::Skin => {
+            let keys: Vec<usize> = rig.keyframes.iter().map(|k| k.frame).filter(|f| *f < frames).collect();
+            let tubes: Vec<tube::Tube> = limbs.par_iter().map(|l| tube::tube(l, rest, params.around)).collect();
+            let front = texture::visibility(tubes.iter().map(|t| &t.mesh), size);
+            let scale = paper_scale(size);
+            let sheets = if params.fill_silhouette {
+                fringe::lattices(
+                    &limbs,
+                    rest,
+                    masks,
+                    &front,
+                    params.patch_step.max(0.5) * scale,
+                    stage.part(0.6, 0.62),
+                )?
+            } else {
+                limbs.iter().map(|_| None).collect()
+            };
+            let source = skin::Source {
+                order: &order,
+                max_bones: params.max_bones,
+                rest,
+                keys: &keys,
+                masks,
+                image: &picture.rgb,
+                sheets: &sheets,
+                edge: 3.0 * scale,
+            };
+            vec![skin::skin(&mut limbs, &mut bones, &source, stage.part(0.62, 0.7))?]
+        }
+    };
+    let finished = finished_limbs(&limbs, &strokes, &bones, &skeleton);
     let model = RiggedModel {
         size,
         fps: motion.fps,
@@ -146,8 +205,15 @@ pub fn reconstruct(
         animation: bones.animation,
         parts,
     };
+    let mut creature = Creature { model, limbs: finished, rest_frame: rest };
+    if params.texture_views > 1 && masks.iter().any(|m| m.count() > 0) {
+        let bake =
+            BakeParams { max_views: params.texture_views, max_side: params.max_texture, ..BakeParams::of(&creature) };
+        let footage = Footage { clip, masks, motion: Some(motion) };
+        texturing::bake(&mut creature.model, &footage, &bake, stage.part(0.7, 1.0))?;
+    }
     stage.at(1.0)?;
-    Ok(Creature { model, limbs: finished, rest_frame: rest })
+    Ok(creature)
 }
 
 fn check(rig: &Rig, motion: &Motion, masks: &[Mask], size: (u32, u32)) -> Result<()> {
@@ -221,10 +287,7 @@ fn shape_limb(
     params: &CreatureParams,
 ) -> LimbShape {
     let chain = &skeleton.limbs[l];
-    let ends = |chain: &crate::rig::LimbChain| {
-        let (first, last) = (chain.vertices.first().copied(), chain.vertices.last().copied());
-        if chain.rooted_at_start { (first, last) } else { (last, first) }
-    };
+    let ends = root_and_tip;
     let own = ends(chain);
     let parent = chain.parent.map(|p| (p, ends(&skeleton.limbs[p]).1 == own.0));
     let shared =
@@ -244,13 +307,18 @@ fn shape_limb(
     };
     let depth_ratio = (0..axis.samples()).map(ratio).collect();
     let facing = path::facing_over_time(rig, l, !chain.rooted_at_start, axis.frames.len());
+    let rises = path::rises(&axis, &facing, params.foreshortened);
+    let still = vec![0.0; axis.frames.len()];
     LimbShape {
         label,
         side: rig.limbs[l].side,
         twin,
         parent,
+        trunk: None,
         joined: (shared(own.0), shared(own.1)),
-        z: path::bend_out(&axis, &facing, params.foreshortened),
+        z: Vec::new(),
+        rise: path::eased(rises, &rig.depth_keys(l, |d| d.bend)),
+        depth: path::eased(still, &rig.depth_keys(l, |d| d.depth)),
         axis,
         radii,
         depth_ratio,
@@ -259,13 +327,61 @@ fn shape_limb(
     }
 }
 
+/// Finds what each limb is part of: the thickest limb at the joint where it begins, unless that is itself. The skeleton's
+/// root may lie on a tail or a leg, so its parents say nothing of what carries what.
+fn find_trunks(limbs: &mut [LimbShape], skeleton: &Skeleton) {
+    let ends: Vec<(Option<usize>, Option<usize>)> = skeleton.limbs.iter().map(root_and_tip).collect();
+    for l in 0..limbs.len() {
+        let own = limbs[l].mean_radius();
+        let beside = (0..limbs.len())
+            .filter(|&o| o != l && Some(o) != limbs[l].twin && (ends[o].0 == ends[l].0 || ends[o].1 == ends[l].0));
+        let thickest = beside
+            .map(|o| (limbs[o].mean_radius(), o))
+            .filter(|(r, _)| *r > own)
+            .max_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1)));
+        limbs[l].trunk = thickest.map(|(_, o)| (o, ends[o].1 == ends[l].0));
+    }
+    // A limb that is the thickest at its joint hangs from its parent, where that does not hang from it.
+    for l in 0..limbs.len() {
+        if limbs[l].trunk.is_some() {
+            continue;
+        }
+        let mut at = limbs[l].parent;
+        let mut steps = 0;
+        while let Some((p, _)) = at.filter(|(p, _)| *p != l && steps <= limbs.len()) {
+            at = limbs[p].trunk;
+            steps += 1;
+        }
+        if at.is_none() {
+            limbs[l].trunk = limbs[l].parent;
+        }
+    }
+}
+
+/// The vertices of a chain at the root and away from it.
+fn root_and_tip(chain: &LimbChain) -> (Option<usize>, Option<usize>) {
+    let (first, last) = (chain.vertices.first().copied(), chain.vertices.last().copied());
+    if chain.rooted_at_start { (first, last) } else { (last, first) }
+}
+
+/// Limbs in the middle that hang from another (necks, heads, tails) are flatter than bodies.
+fn flatten_branches(limbs: &mut [LimbShape], middle: f32, params: &CreatureParams) {
+    for limb in limbs {
+        let chosen = params.depths.iter().any(|(name, _)| *name == limb.label);
+        let paired = matches!(limb.side, Some(Side::Near | Side::Far));
+        if limb.trunk.is_some() && !paired && !chosen {
+            limb.depth_ratio.fill((middle * BRANCH).clamp(0.05, 20.0));
+        }
+    }
+}
+
 /// The limbs, parents before children.
-fn root_first(limbs: &[LimbShape]) -> Vec<usize> {
+fn root_first(limbs: &[LimbShape], parent: impl Fn(&LimbShape) -> Option<(usize, bool)>) -> Vec<usize> {
     let mut order: Vec<usize> = Vec::with_capacity(limbs.len());
     while order.len() < limbs.len() {
         let before = order.len();
         for l in 0..limbs.len() {
-            if !order.contains(&l) && limbs[l].parent.is_none_or(|(p, _)| order.contains(&p)) {
+            if !order.contains(&l) && parent(&limbs[l]).is_none_or(|(p, _)| order.contains(&p)) {
                 order.push(l);
             }
         }
@@ -277,7 +393,12 @@ fn root_first(limbs: &[LimbShape]) -> Vec<usize> {
 }
 
 /// What posing will need of the limbs.
-fn finished_limbs(limbs: &[LimbShape], bones: &bones::Bones, skeleton: &Skeleton) -> Vec<CreatureLimb> {
+fn finished_limbs(
+    limbs: &[LimbShape],
+    strokes: &[Axis],
+    bones: &bones::Bones,
+    skeleton: &Skeleton,
+) -> Vec<CreatureLimb> {
     limbs
         .iter()
         .enumerate()
@@ -292,6 +413,29 @@ fn finished_limbs(limbs: &[LimbShape], bones: &bones::Bones, skeleton: &Skeleton
             length: path::full_length(&limb.axis),
             radius: limb.mean_radius(),
             offset: limb.offset,
+            settled: settled(&strokes[l], &limb.axis, bones.of_limb[l].len()),
+        })
+        .collect()
+}
+
+/// How far an axis has settled from its stroke at each bone: the median over all frames.
+fn settled(stroke: &Axis, axis: &Axis, bones: usize) -> Vec<glam::Vec2> {
+    let core = axis.first..=axis.last;
+    let at = |k: usize| ((axis.last - axis.first) as f32 * k as f32 / (bones - 1).max(1) as f32).round() as usize;
+    let median = |mut values: Vec<f32>| {
+        values.sort_by(f32::total_cmp);
+        values.get(values.len() / 2).copied().unwrap_or(0.0)
+    };
+    (0..bones)
+        .map(|k| {
+            let moved = stroke.frames.iter().zip(&axis.frames).map(|(from, to)| {
+                let (from, to) = (&from[core.clone()], &to[core.clone()]);
+                let way = creature_limb::direction(from, at(k));
+                let by = to[at(k)] - from[at(k)];
+                (by.dot(way), by.dot(way.perp()))
+            });
+            let (along, across): (Vec<f32>, Vec<f32>) = moved.unzip();
+            glam::vec2(median(along), median(across))
         })
         .collect()
 }
@@ -304,10 +448,10 @@ fn place_in_depth(limbs: &mut [LimbShape], order: &[usize], rig: &Rig, params: &
     };
     for &l in order {
         let parent = limbs[l].parent;
-        let body_depth = parent.map_or(0.0, |(p, _)| depth_of(&limbs[p]));
+        let body_depth = limbs[l].trunk.map_or(0.0, |(p, _)| depth_of(&limbs[p]));
         let offset = path::pair_offset(limbs[l].side, limbs[l].mean_radius_from(0.5), body_depth, params);
         let base: Vec<f32> = match parent {
-            None => vec![0.0; limbs[l].z.len()],
+            None => vec![0.0; limbs[l].axis.frames.len()],
             Some((p, at_end)) => {
                 let at = if at_end { limbs[p].axis.last } else { limbs[p].axis.first };
                 limbs[p].z.iter().map(|z| z[at]).collect()
@@ -315,11 +459,12 @@ fn place_in_depth(limbs: &mut [LimbShape], order: &[usize], rig: &Rig, params: &
         };
         let limb = &mut limbs[l];
         limb.offset = offset;
-        for (z, base) in limb.z.iter_mut().zip(base) {
-            for (i, z) in z.iter_mut().enumerate() {
-                *z += base + offset * path::hip_ramp(limb.axis.share(i as f32));
-            }
-        }
+        let depth = |frame: usize, i: usize| {
+            let share = limb.axis.share(i as f32);
+            let aside = offset * path::hip_ramp(share) + limb.depth[frame] * path::free_part(share, parent.is_some());
+            path::bent(share, limb.rise[frame]) + (base[frame] + aside)
+        };
+        limb.z = (0..base.len()).map(|f| (0..limb.axis.samples()).map(|i| depth(f, i)).collect()).collect();
     }
     debug_assert_eq!(limbs.len(), rig.limbs.len());
 }

@@ -17,15 +17,19 @@ const HEIGHT: usize = 240;
 const BODY: f32 = 26.0;
 const LEG: f32 = 9.0;
 
-/// A body with two legs that swing against each other, in colours that tell places apart.
-struct Scene {
-    clip: Clip,
-    rig: Rig,
-    motion: Motion,
-    masks: Vec<Mask>,
+fn tubes() -> CreatureParams {
+    CreatureParams { surface: super::Surface::Tubes, ..CreatureParams::default() }
 }
 
-fn strokes(frame: usize) -> [Vec<Vec2>; 3] {
+/// A body with two legs that swing against each other, in colours that tell places apart.
+pub(super) struct Scene {
+    pub clip: Clip,
+    pub rig: Rig,
+    pub motion: Motion,
+    pub masks: Vec<Mask>,
+}
+
+pub(super) fn strokes(frame: usize) -> [Vec<Vec2>; 3] {
     let swing = 0.5 * (frame as f32 * 0.9).cos();
     let leg = |angle: f32| {
         let foot = vec2(80.0, 110.0) + 95.0 * vec2(angle.sin(), angle.cos());
@@ -34,7 +38,7 @@ fn strokes(frame: usize) -> [Vec<Vec2>; 3] {
     [vec![vec2(80.0, 110.0), vec2(150.0, 108.0), vec2(230.0, 110.0)], leg(swing), leg(-swing)]
 }
 
-fn distance(p: Vec2, line: &[Vec2]) -> f32 {
+pub(super) fn distance(p: Vec2, line: &[Vec2]) -> f32 {
     let to = |a: Vec2, b: Vec2| {
         let t = ((p - a).dot(b - a) / (b - a).length_squared().max(1e-6)).clamp(0.0, 1.0);
         p.distance(a.lerp(b, t))
@@ -42,7 +46,11 @@ fn distance(p: Vec2, line: &[Vec2]) -> f32 {
     line.windows(2).map(|s| to(s[0], s[1])).fold(f32::INFINITY, f32::min)
 }
 
-fn scene_of(frames: usize, strokes: impl Fn(usize) -> [Vec<Vec2>; 3], extra: impl Fn(Vec2) -> bool) -> Scene {
+pub(super) fn scene_of(
+    frames: usize,
+    strokes: impl Fn(usize) -> [Vec<Vec2>; 3],
+    extra: impl Fn(Vec2) -> bool,
+) -> Scene {
     let labels = [("body", Side::Mid), ("near", Side::Near), ("far", Side::Far)];
     let limbs = labels.iter().map(|(l, s)| Limb { label: (*l).into(), side: Some(*s) }).collect();
     let drawn = strokes(0).into_iter().enumerate().map(|(limb, points)| Stroke { limb, points, facing: None });
@@ -75,22 +83,33 @@ fn scene_of(frames: usize, strokes: impl Fn(usize) -> [Vec<Vec2>; 3], extra: imp
     Scene { clip, rig, motion, masks }
 }
 
-fn scene(frames: usize) -> Scene {
+pub(super) fn scene(frames: usize) -> Scene {
     scene_of(frames, strokes, |_| false)
 }
 
 impl Scene {
-    fn reconstruct(&self, params: &CreatureParams) -> Result<RiggedModel> {
+    pub(super) fn reconstruct(&self, params: &CreatureParams) -> Result<RiggedModel> {
         let progress = Progress::new();
         reconstruct(&self.clip, &self.rig, &self.motion, &self.masks, params, progress.whole()).map(|c| c.model)
     }
 
-    fn model(&self) -> RiggedModel {
-        self.reconstruct(&CreatureParams::default()).expect("a creature")
+    fn creature(&self) -> Creature {
+        let progress = Progress::new();
+        let params = CreatureParams::default();
+        reconstruct(&self.clip, &self.rig, &self.motion, &self.masks, &params, progress.whole()).expect("a creature")
+    }
+
+    pub(super) fn skin(&self) -> RiggedModel {
+        let params = CreatureParams { surface: super::Surface::Skin, ..CreatureParams::default() };
+        self.reconstruct(&params).expect("a creature")
+    }
+
+    pub(super) fn model(&self) -> RiggedModel {
+        self.reconstruct(&tubes()).expect("a creature")
     }
 }
 
-fn silhouette(model: &RiggedModel, frame: usize) -> Mask {
+pub(super) fn silhouette(model: &RiggedModel, frame: usize) -> Mask {
     let mut picture = Rasterizer::new(model.size.0, model.size.1);
     for mesh in model.pose(frame) {
         picture.draw(&mesh, &clip_view(model.size.1), Surface::Bare, 0);
@@ -177,7 +196,7 @@ fn an_ear_without_a_stroke_is_covered() {
     let scene = scene_of(4, strokes, ear);
     let place = (207, 66);
     let with = scene.model();
-    let without = scene.reconstruct(&CreatureParams { fill_silhouette: false, ..CreatureParams::default() });
+    let without = scene.reconstruct(&CreatureParams { fill_silhouette: false, ..tubes() });
     for f in 0..4 {
         assert!(silhouette(&with, f).get(place.0, place.1), "frame {f}");
     }
@@ -231,7 +250,7 @@ fn a_foreshortened_leg_keeps_its_length_and_its_facing() {
         let length: f32 = at.windows(2).map(|p| p[0].distance(p[1])).sum();
         (at[at.len() - 1].z - at[0].z, length)
     };
-    let params = CreatureParams { settling_rounds: 0, ..CreatureParams::default() };
+    let params = CreatureParams { settling_rounds: 0, ..tubes() };
     let toward = depth(&scene.reconstruct(&params).expect("a creature"), 5);
     scene.rig.keyframes[0].strokes[1].facing = Some(Facing::Away);
     let model = scene.reconstruct(&params).expect("a creature");
@@ -249,9 +268,7 @@ fn a_track_beside_its_limb_is_settled_into_the_mask() {
         }
     }
     let mean = |rounds| {
-        let model = scene
-            .reconstruct(&CreatureParams { settling_rounds: rounds, ..CreatureParams::default() })
-            .expect("a creature");
+        let model = scene.reconstruct(&CreatureParams { settling_rounds: rounds, ..tubes() }).expect("a creature");
         (1..8).map(|f| silhouette(&model, f).iou(&scene.masks[f])).sum::<f64>() / 7.0
     };
     let (tracked, settled) = (mean(0), mean(2));
@@ -293,17 +310,56 @@ fn poor_input_is_graceful() {
 fn mistakes_are_named_and_a_cancel_is_heard() {
     let mut wrong = scene(3);
     wrong.masks.pop();
-    assert!(wrong.reconstruct(&CreatureParams::default()).expect_err("two masks").to_string().contains("masks"));
+    assert!(wrong.reconstruct(&tubes()).expect_err("two masks").to_string().contains("masks"));
     let mut wrong = scene(3);
     wrong.masks[1] = Mask::new(5, 5);
-    assert!(wrong.reconstruct(&CreatureParams::default()).expect_err("a small mask").to_string().contains("mask 1"));
+    assert!(wrong.reconstruct(&tubes()).expect_err("a small mask").to_string().contains("mask 1"));
     let mut wrong = scene(3);
     wrong.motion.tracks.remove(1);
-    assert!(wrong.reconstruct(&CreatureParams::default()).expect_err("no track").to_string().contains("`near`"));
+    assert!(wrong.reconstruct(&tubes()).expect_err("no track").to_string().contains("`near`"));
     let scene = scene(3);
     let progress = Progress::new();
     progress.cancel();
-    let params = CreatureParams::default();
+    let params = tubes();
     let result = reconstruct(&scene.clip, &scene.rig, &scene.motion, &scene.masks, &params, progress.whole());
     assert!(matches!(result, Err(Error::Cancelled)));
+}
+
+#[test]
+fn its_own_strokes_bring_a_creature_back() {
+    let scene = scene(6);
+    let creature = scene.creature();
+    let params = DriveParams { pose: PoseParams::default(), ..DriveParams::default() };
+    for motion in [&scene.motion, &creature.motion()] {
+        let driven = creature.driven(motion, None, &params, Progress::new().whole()).expect("driven");
+        for f in 0..6 {
+            let iou = |c: &Creature| silhouette(&c.model, f).iou(&scene.masks[f]);
+            let (tracked, posed) = (iou(&creature), iou(&driven));
+            assert!((tracked - posed).abs() < 0.01, "frame {f}: {posed} is not {tracked}");
+        }
+    }
+}
+
+#[test]
+fn a_leg_goes_in_front_where_a_key_says_so() {
+    let mut scene = scene(9);
+    let depth = |creature: &Creature, label: &str, frame: usize| {
+        let limb = creature.limbs.iter().find(|l| l.label == label).expect("the limb");
+        let world = creature.model.world(&creature.model.animation[frame]);
+        world[limb.first_bone + limb.bones - 1].w_axis.z
+    };
+    let plain = scene.creature();
+    let mark = |limb, depth, bend| crate::rig::LimbDepth { limb, depth, bend };
+    let keyed = |frame: usize, depths| KeyFrame { frame, depths, ..KeyFrame::default() };
+    // Keys hold until the next one: the far leg is in front on frame 4 only, and the near one bends on frame 8.
+    scene.rig.keyframes.push(keyed(4, vec![mark(2, Some(60.0), None)]));
+    scene.rig.keyframes.push(keyed(8, vec![mark(2, Some(0.0), None), mark(1, None, Some(30.0))]));
+    let creature = scene.creature();
+    for (frame, more) in [(0, 0.0), (2, 30.0), (4, 60.0), (6, 30.0), (8, 0.0)] {
+        let moved = depth(&creature, "far", frame) - depth(&plain, "far", frame);
+        assert!((moved - more).abs() < 0.5, "frame {frame}: {moved} is not {more}");
+    }
+    assert!(depth(&creature, "far", 4) > depth(&creature, "near", 4), "in front");
+    let bent = |frame: usize| depth(&creature, "near", frame) - depth(&plain, "near", frame);
+    assert!(bent(0).abs() < 1e-3 && (bent(8) - 30.0).abs() < 0.5, "{} {}", bent(0), bent(8));
 }

@@ -67,7 +67,7 @@ pub(super) fn section(limb: &LimbShape, frame: usize, normals: &[Vec2], sample: 
 
 /// How much the ends narrow at a sample: 1 inside, down to 0 at the very end, as a round cap does. A free end is a half
 /// ellipsoid as long as the limb is thick; a joined one keeps its thickness up to the joint, so that limbs overlap.
-fn rounding(limb: &LimbShape, sample: f32, (first, last): (usize, usize)) -> f32 {
+pub(super) fn rounding(limb: &LimbShape, sample: f32, (first, last): (usize, usize)) -> f32 {
     let cap = |end: usize, joint: usize, joined: bool, distance: f32| {
         let thick = limb.half_width(end) / limb.axis.spacing().max(1e-3);
         let beyond = joint.abs_diff(end) as f32;

@@ -200,14 +200,14 @@ fn is_bvh(path: &Path) -> bool {
     path.extension().is_some_and(|e| e.eq_ignore_ascii_case("bvh"))
 }
 
-fn read_motion(session: &Session, path: &Path, view: args::View) -> Result<Motion, Failure> {
+pub(super) fn read_motion(session: &Session, path: &Path, view: args::View) -> Result<Motion, Failure> {
     if is_bvh(path) {
         return Ok(session.context.read_bvh(utf8(path)?, view as i32)?);
     }
     Ok(session.context.read_motion(utf8(path)?)?)
 }
 
-fn write_motion(motion: &Motion, path: &Path) -> Result<(), Failure> {
+pub(super) fn write_motion(motion: &Motion, path: &Path) -> Result<(), Failure> {
     if is_bvh(path) {
         motion.write_bvh(utf8(path)?)?;
     } else {

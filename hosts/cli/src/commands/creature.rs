@@ -16,6 +16,8 @@ pub(crate) fn creature(session: &Session, args: &Creature) -> Result<(), Failure
         segmenter: &args.segmenter,
         folder: utf8(&args.output)?,
         write_obj: args.obj,
+        depths: &args.depth.join(","),
+        spread: args.spread,
     };
     let job = session.context.start_creature(&clip, &rig, &options)?;
     watch(&job, &session.interrupt)?;
@@ -27,9 +29,8 @@ pub(crate) fn creature(session: &Session, args: &Creature) -> Result<(), Failure
     }
     let info = creature.info()?;
     say::line(&format!(
-        "{}: {} limbs, {} bones, {} triangles, {} frames, in {:.1} s",
+        "{}: {} bones, {} triangles, {} frames, in {:.1} s",
         args.output.join("creature.glb").display(),
-        info.parts,
         info.bones,
         info.triangles,
         info.frames,

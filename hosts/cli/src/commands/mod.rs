@@ -2,12 +2,17 @@
 
 mod character;
 mod creature;
+mod crowd;
 mod deform;
 mod demo;
 mod info;
+mod motion;
 mod path;
 mod plugin;
 mod plugin_new;
+mod pose;
+mod print;
+mod render;
 mod segment;
 mod session_files;
 mod session_info;
@@ -16,12 +21,17 @@ mod track;
 
 pub(crate) use character::{character, retarget, rig};
 pub(crate) use creature::creature;
+pub(crate) use crowd::crowd;
 pub(crate) use deform::deform;
 pub(crate) use demo::demo;
 pub(crate) use info::info;
+pub(crate) use motion::motion;
 pub(crate) use path::path;
 pub(crate) use plugin::{check as plugin_check, list as plugin_list, probe as plugin_probe};
 pub(crate) use plugin_new::new as plugin_new;
+pub(crate) use pose::pose;
+pub(crate) use print::print;
+pub(crate) use render::render;
 pub(crate) use segment::segment;
 pub(crate) use session_files::{session_embed, session_replay};
 pub(crate) use session_info::session_info;

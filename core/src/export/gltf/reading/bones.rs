@@ -133,7 +133,7 @@ fn node_transform(file: &Container<'_>, node: usize) -> Found<Rigid> {
     }
     let turn = node.rotation.map_or(DQuat::IDENTITY, |q| DQuat::from_array(q.0.map(f64::from)));
     let moved = node.translation.map_or(DVec3::ZERO, |t| DVec3::from_array(t.map(f64::from)));
-    if !moved.is_finite() || !(turn.length() > 0.5) {
+    if !moved.is_finite() || !turn.is_finite() || turn.length() < 0.5 {
         return Err(format!("is damaged: `{name}` is nowhere"));
     }
     Ok((turn.normalize(), moved))

@@ -73,6 +73,7 @@ fn by_names(model: &RiggedModel) -> Vec<CreatureLimb> {
             length,
             radius: radius(model, &world, *first..first + count),
             offset: parent.map_or(0.0, |_| places[count - 1].z - places[0].z),
+            settled: Vec::new(),
         }
     };
     chains.iter().map(limb).collect()

@@ -1,0 +1,282 @@
+//! Any motion on a creature: in every frame the tracks pose the limbs that follow them.
+//!
+//! A limb follows a stroke track, or a chain of tracks such as the joints of a captured leg. Where the creature keeps its
+//! bones' lengths, each limb takes directions, and how much of its greatest length it shows; else the whole motion is
+//! scaled and limbs lie along it. The root starts where the creature's own animation starts, and its way is scaled by how
+//! much longer the creature's limbs are; a motion of the creature's own clip stays where it is.
+//!
+//! Known limits: what a body does in depth is not in a motion, so that legs drawn short come toward the viewer unless
+//! the map says otherwise; a motion that runs the other way has to be mirrored.
+
+use std::collections::BTreeMap;
+
+use glam::{Vec2, vec2};
+use serde::{Deserialize, Serialize};
+
+use super::posing::{Key, Poser, labels};
+use super::{Creature, LimbPose, PoseParams, path};
+use crate::error::{Error, Result};
+use crate::geometry::polyline;
+use crate::job::Stage;
+use crate::motion::{Motion, TrackKind, listed};
+use crate::rig::Facing;
+use crate::shape::character::Easing;
+
+const FORMAT: &str = "marey-map";
+/// A body whose limbs are longer or shorter by less than this share is the same.
+const SAME: f32 = 0.05;
+
+/// What a limb follows.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct LimbSource {
+    /// A stroke track, or several tracks whose points make a stroke in this order, from the limb's start to its end.
+    pub tracks: Vec<String>,
+    /// Whether the points run from the limb's end to its start instead.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub reversed: bool,
+    /// Where to the limb leaves the image plane when it is short.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub facing: Option<Facing>,
+}
+
+/// Which limb of a creature follows what. Limbs that are not named keep their rest pose against what they hang from.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct LimbMap {
+    /// By the limbs' labels.
+    pub limbs: BTreeMap<String, LimbSource>,
+}
+
+#[derive(Serialize, Deserialize)]
+struct File {
+    #[serde(default)]
+    format: Option<String>,
+    #[serde(default)]
+    version: Option<u32>,
+    limbs: BTreeMap<String, LimbSource>,
+}
+
+impl LimbMap {
+    /// Reads the text of a map.json: `{"format": "marey-map", "version": 1, "limbs": {"tail": {"tracks": ["tail"],
+    /// "reversed": true}, "hind_near": {"tracks": ["hip", "knee", "foot"], "facing": "away"}}}`. Format and version may be
+    /// left out.
+    ///
+    /// # Errors
+    /// What is not readable as one.
+    pub fn from_json(text: &str) -> Result<Self> {
+        let bad = |problem: String| Error::invalid("map", problem, "expected a marey-map file with `limbs`");
+        let file: File = serde_json::from_str(text).map_err(|e| bad(format!("is not readable: {e}")))?;
+        if file.format.is_some_and(|f| f != FORMAT) || file.version.is_some_and(|v| v != 1) {
+            return Err(bad(format!("is not in the format {FORMAT}, version 1")));
+        }
+        Ok(Self { limbs: file.limbs })
+    }
+
+    /// The text of a map.json.
+    pub fn to_json(&self) -> String {
+        let file = File { format: Some(FORMAT.into()), version: Some(1), limbs: self.limbs.clone() };
+        serde_json::to_string(&file).unwrap_or_default()
+    }
+}
+
+/// How a motion drives a creature.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DriveParams {
+    /// Limits of every pose.
+    pub pose: PoseParams,
+    /// What the root's way is scaled by; `None` for the ratio of the limbs' lengths.
+    pub root_scale: Option<f32>,
+    /// Whether left and right of the motion change places.
+    pub mirror: bool,
+}
+
+impl Default for DriveParams {
+    /// The creature's bones keep their lengths: another body's changes of length say nothing about this one.
+    fn default() -> Self {
+        Self { pose: PoseParams { keep_lengths: true, ..PoseParams::default() }, root_scale: None, mirror: false }
+    }
+}
+
+impl Creature {
+    /// What each limb follows: what `given` says, or else the stroke track of its name, letter for letter or by letters
+    /// and digits alone.
+    ///
+    /// # Errors
+    /// A map that names what is not there, or nothing that matches, with the names on both sides.
+    pub fn matched(&self, motion: &Motion, given: Option<&LimbMap>) -> Result<LimbMap> {
+        motion.validate()?;
+        if let Some(given) = given {
+            for (label, source) in &given.limbs {
+                let what = || format!("limb `{label}` in the map");
+                if self.limbs.iter().all(|l| l.label != *label) {
+                    let remedy = format!("it has {}", labels(&self.limbs));
+                    return Err(Error::invalid(what(), "is none of the creature's", remedy));
+                }
+                if let Some(track) = source.tracks.iter().find(|t| motion.track(t).is_none()) {
+                    let remedy = format!("the motion has {}", tracks(motion));
+                    return Err(Error::invalid(what(), format!("follows `{track}`, which is no track"), remedy));
+                }
+                if points(motion, source, 0).len() < 2 {
+                    return Err(Error::invalid(what(), "follows less than two points", "name a stroke or more tracks"));
+                }
+            }
+        }
+        let mut limbs = given.map(|g| g.limbs.clone()).unwrap_or_default();
+        let letters = |name: &str| -> String {
+            name.chars().filter(|c| c.is_alphanumeric()).flat_map(char::to_lowercase).collect()
+        };
+        let strokes = || {
+            motion.tracks.iter().filter(|t| t.kind == TrackKind::Stroke && t.frames.iter().all(|f| f.points.len() > 1))
+        };
+        // A map is meant as it is written: what it leaves out rests.
+        for limb in self.limbs.iter().filter(|_| given.is_none()) {
+            let exact = strokes().find(|t| t.name == limb.label);
+            if let Some(track) = exact.or_else(|| strokes().find(|t| letters(&t.name) == letters(&limb.label))) {
+                let source = LimbSource { tracks: vec![track.name.clone()], ..LimbSource::default() };
+                limbs.insert(limb.label.clone(), source);
+            }
+        }
+        if limbs.is_empty() {
+            let problem = format!(
+                "has no track for any limb: its tracks are {}, the limbs {}",
+                tracks(motion),
+                labels(&self.limbs)
+            );
+            let (limb, track) =
+                (self.limbs.first().map_or("", |l| &l.label), motion.tracks.first().map_or("", |t| &t.name));
+            let remedy = format!(r#"give a map: {{"limbs": {{"{limb}": {{"tracks": ["{track}", ...]}}, ...}}}}"#);
+            return Err(Error::invalid("motion", problem, remedy));
+        }
+        Ok(LimbMap { limbs })
+    }
+
+    /// The creature moved by `motion`, with its frames and its rate; `map` is as [`Self::matched`] completes it.
+    ///
+    /// # Errors
+    /// What [`Self::matched`] refuses, a motion without frames, a parameter out of range, or a cancel.
+    pub fn driven(
+        &self,
+        motion: &Motion,
+        map: Option<&LimbMap>,
+        params: &DriveParams,
+        stage: Stage<'_>,
+    ) -> Result<Creature> {
+        stage.name("posing")?;
+        let poser = Poser::new(self, &params.pose, params.pose.keep_lengths)?;
+        let map = self.matched(motion, map)?;
+        if motion.frames == 0 {
+            return Err(Error::invalid("motion", "has no frame", "give one with at least one frame"));
+        }
+        if params.root_scale.is_some_and(|s| !(-1000.0..=1000.0).contains(&s)) {
+            return Err(Error::invalid("root scale", "is out of range", "give a factor of at most 1000"));
+        }
+        let followed: Vec<Option<Followed>> = self
+            .limbs
+            .iter()
+            .map(|limb| Some(Followed::new(motion, map.limbs.get(&limb.label)?, params.mirror)))
+            .collect();
+        let (mut own, mut theirs) = (0.0, 0.0);
+        for (limb, followed) in self.limbs.iter().zip(&followed) {
+            if let Some(followed) = followed {
+                own += limb.length;
+                theirs += followed.length;
+            }
+        }
+        if !(theirs > 0.0 && theirs.is_finite()) {
+            return Err(Error::invalid("motion", "has strokes of no length or of no bounds", "give tracks of limbs"));
+        }
+        let ratio: f32 = own / theirs;
+        // Lengths of one body differ by so much between one tracking and the next.
+        let ratio = if (ratio - 1.0).abs() < SAME { 1.0 } else { ratio };
+        let root_scale = params.root_scale.unwrap_or(ratio);
+        // Everything moves with the first root that follows something.
+        let lead = (0..self.limbs.len()).find(|&l| self.limbs[l].parent.is_none() && followed[l].is_some());
+        let height = self.model.size.1 as f32;
+        let first_pose = self.model.animation.first().unwrap_or(&self.model.rest);
+        let placed = super::chain::all_world(&self.model.bones, first_pose);
+        // Strokes of the same clip are where they are.
+        let in_place = !params.pose.keep_lengths && root_scale == 1.0 && ratio == 1.0 && motion.size == self.model.size;
+        let start = lead.filter(|_| !in_place).and_then(|l| {
+            let bones = &placed[self.limbs[l].bone_range()];
+            let mut own: Vec<Vec2> = bones.iter().map(|(p, _)| vec2(p.x, height - p.y)).collect();
+            if !params.pose.keep_lengths {
+                self.limbs[l].settle(&mut own, true);
+            }
+            Some((own[0], followed[l].as_ref()?.held(&self.limbs[l], 0)))
+        });
+        let lead_at =
+            |f: usize| lead.and_then(|l| Some(followed[l].as_ref()?.held(&self.limbs[l], f))).unwrap_or_default();
+        let poses: Vec<Vec<LimbPose>> = self
+            .limbs
+            .iter()
+            .zip(&followed)
+            .map(|(limb, followed)| {
+                let Some(followed) = followed else { return Vec::new() };
+                let own = if followed.length > 0.0 { limb.length / followed.length } else { 1.0 };
+                let scale = if params.pose.keep_lengths { own } else { ratio };
+                let pose = |f: usize| {
+                    let from = followed.held(limb, f);
+                    let moved = |(own, theirs): (Vec2, Vec2)| own + (lead_at(f) - theirs) * root_scale;
+                    let to = start.map_or(from, |start| moved(start) + (from - lead_at(f)) * ratio);
+                    LimbPose {
+                        limb: limb.label.clone(),
+                        points: followed.frames[f].iter().map(|p| to + (*p - from) * scale).collect(),
+                        facing: followed.facing,
+                        ..LimbPose::default()
+                    }
+                };
+                (0..motion.frames).map(pose).collect()
+            })
+            .collect();
+        let keys: Vec<Vec<Key<'_>>> = poses.iter().map(|limb| every_frame(limb)).collect();
+        let animation = poser.animate(&keys, motion.frames, 1, stage)?;
+        let mut out = self.clone();
+        out.model.animation = animation;
+        out.model.fps = motion.fps;
+        Ok(out)
+    }
+}
+
+fn every_frame(poses: &[LimbPose]) -> Vec<Key<'_>> {
+    poses.iter().enumerate().map(|(frame, pose)| Key { frame, pose, easing: Easing::Hold }).collect()
+}
+
+/// The stroke that a limb follows, over all frames.
+struct Followed {
+    frames: Vec<Vec<Vec2>>,
+    /// Its length when it lies in the image plane.
+    length: f32,
+    facing: Option<Facing>,
+}
+
+impl Followed {
+    fn new(motion: &Motion, source: &LimbSource, mirror: bool) -> Self {
+        let mut frames: Vec<Vec<Vec2>> = (0..motion.frames).map(|f| points(motion, source, f)).collect();
+        if mirror {
+            let width = motion.size.0 as f32;
+            frames.iter_mut().flatten().for_each(|p| p.x = width - p.x);
+        }
+        let length = path::full_length_of(frames.iter().map(|p| polyline::length(p)).collect());
+        Self { frames, length, facing: source.facing }
+    }
+
+    /// Where the end that is to be held is.
+    fn held(&self, limb: &super::CreatureLimb, frame: usize) -> Vec2 {
+        let points = &self.frames[frame];
+        let end = if limb.reversed { points.last() } else { points.first() };
+        end.copied().unwrap_or_default()
+    }
+}
+
+/// The points of a limb's source in a frame, from the limb's start to its end.
+fn points(motion: &Motion, source: &LimbSource, frame: usize) -> Vec<Vec2> {
+    let tracks = source.tracks.iter().filter_map(|name| motion.track(name)?.frames.get(frame));
+    let mut points: Vec<Vec2> = tracks.flat_map(|t| t.points.iter().copied()).collect();
+    if source.reversed {
+        points.reverse();
+    }
+    points
+}
+
+fn tracks(motion: &Motion) -> String {
+    listed(motion.tracks.iter().map(|t| t.name.as_str()))
+}
