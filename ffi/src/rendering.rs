@@ -393,10 +393,7 @@ impl Call<'_> {
 pub(crate) fn masks_of(clip: &Clip, frames: usize) -> marey::Result<Vec<Mask>> {
     let mask = |frame: usize| {
         let picture = clip.frame(frame)?;
-        let (width, height) = picture.rgb.dimensions();
-        Ok(Mask::from_fn(width as usize, height as usize, |x, y| {
-            picture.rgb.get_pixel(x as u32, y as u32).0.iter().map(|v| u32::from(*v)).sum::<u32>() >= 3 * 128
-        }))
+        Ok(Mask::from_image(&image::imageops::grayscale(&picture.rgb)))
     };
     (0..frames.min(clip.info().frames)).map(mask).collect()
 }

@@ -6,7 +6,8 @@ use std::ffi::c_char;
 use std::sync::Arc;
 
 use marey::job::Progress;
-use marey::shape::creature::{self, DriveParams, LimbMap, LimbPose, PoseKeys, PoseParams};
+use marey::motion::limb_map::LimbMap;
+use marey::shape::creature::{self, DriveParams, LimbPose, PoseKeys, PoseParams};
 
 use crate::bones::{mry_transform, transforms_out};
 use crate::border::{self, List, Out, Text, Versioned};
@@ -243,9 +244,9 @@ pub unsafe extern "C" fn mry_creature_repose(
 ) -> mry_status {
     entry!(context, err, |call| {
         let out = Out::new(out_creature, "out_creature")?;
+        let creature = call.creature(creature)?;
         let text = poses.text("poses")?;
         let how = Reposing::read(desc)?;
-        let creature = call.creature(creature)?;
         let about = |e| Failure::from(e).about("poses");
         let poses = PoseKeys::from_json(text).map_err(about)?;
         let progress = Progress::new();
@@ -262,7 +263,7 @@ pub unsafe extern "C" fn mry_creature_repose(
 /// @param motion        The motion.
 /// @param map           The text of a map.json that says which limb follows what: {"limbs": {"leg": {"tracks": ["hip",
 ///                      "knee", "foot"], "facing": "toward"}, "tail": {"tracks": ["tail"], "reversed": true}}}; a limb
-///                      that it leaves out rests. Empty to match strokes by their names.
+///                      that it leaves out rests. Empty to match strokes by their names, or where no name is the same by likeness.
 /// @param desc          How; NULL for the defaults.
 /// @param out_creature  The creature in its new motion.
 /// @param err           Detail of a failure, or NULL.
@@ -282,9 +283,9 @@ pub unsafe extern "C" fn mry_creature_drive(
 ) -> mry_status {
     entry!(context, err, |call| {
         let out = Out::new(out_creature, "out_creature")?;
+        let (creature, motion) = (call.creature(creature)?, call.motion(motion)?);
         let map = map_in(map)?;
         let how = Reposing::read(desc)?;
-        let (creature, motion) = (call.creature(creature)?, call.motion(motion)?);
         let progress = Progress::new();
         let driven = creature.creature.driven(&motion, map.as_ref(), &how.drive, progress.whole())?;
         out.set(call.keep_reposed(driven)?);
@@ -317,8 +318,8 @@ pub unsafe extern "C" fn mry_creature_match(
 ) -> mry_status {
     entry!(context, err, |call| {
         let text = Text::new(text, capacity, out_size, "text")?;
-        let map = map_in(map)?;
         let (creature, motion) = (call.creature(creature)?, call.motion(motion)?);
+        let map = map_in(map)?;
         text.fill(&creature.creature.matched(&motion, map.as_ref())?.to_json())
     })
 }

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use marey::export::{read_textures, write_textures};
 use marey::raster::Mask;
-use marey::shape::character::read_drawing;
+use marey::shape::character::{read_cut, read_drawing};
 use marey::shape::creature::texturing::{BakeParams, Footage, Material, Region, transfer};
 
 use crate::border::{self, Out, Versioned};
@@ -130,7 +130,7 @@ impl Call<'_> {
             stage.name("texturing")?;
             let mut made = (*creature.creature).clone();
             let mut params = BakeParams::of(&made);
-            let region = region.map(|path| mask_in(&path)).transpose()?;
+            let region = region.map(|path| read_cut(&path)).transpose()?.map(|cut| Mask::from_image(&cut));
             let region = Region { limbs: &limbs, mask: region.as_ref(), soft: desc.soft };
             let model = &mut made.model;
             match &from {
@@ -159,13 +159,6 @@ impl Call<'_> {
             Ok(Product { creature: Part::Made(Arc::new(creature)), ..Product::default() })
         }))
     }
-}
-
-/// A picture as a mask: bright is inside.
-fn mask_in(path: &std::path::Path) -> marey::Result<Mask> {
-    let picture = marey::shape::character::read_cut(path)?;
-    let (width, height) = picture.dimensions();
-    Ok(Mask::from_fn(width as usize, height as usize, |x, y| picture.get_pixel(x as u32, y as u32).0[0] >= 128))
 }
 
 /// Fills in a description with struct_size set and everything else zero, for languages without the INIT macros.

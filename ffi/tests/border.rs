@@ -264,6 +264,13 @@ fn texture(i: Ids, path: &str) -> *const mry_texture_desc {
     Box::leak(Box::new(desc))
 }
 
+fn edit(i: Ids, path: &str) -> *const mry_edit_desc {
+    let mut desc = unsafe { std::mem::zeroed::<mry_edit_desc>() };
+    unsafe { mry_edit_desc_init(&mut desc, size_of::<mry_edit_desc>() as u32) };
+    (desc.creature, desc.path) = (i.creature, str(path));
+    Box::leak(Box::new(desc))
+}
+
 fn render() -> *const mry_render_desc {
     let mut desc = unsafe { std::mem::zeroed::<mry_render_desc>() };
     unsafe { mry_render_desc_init(&mut desc, size_of::<mry_render_desc>() as u32) };
@@ -547,6 +554,8 @@ const CALLS: &[(&str, Has, Run)] = calls! {
     IdAndOut mry_creature_read_textures(c, i, o, e, p) => [i.creature, str(p), o.at()];
     IdAndOut mry_job_start_texture(c, i, o, e, p) => [texture(i, p), o.at()];
     IdAndOut mry_run_texture(c, i, o, e, p) => [texture(i, p), o.at()];
+    IdAndOut mry_job_start_edit(c, i, o, e, p) => [edit(i, p), o.at()];
+    IdAndOut mry_run_edit(c, i, o, e, p) => [edit(i, p), o.at()];
     IdAndOut mry_crowd_create(c, i, o, e, p) => [&mry_instance { creature: i.creature, ..Default::default() }, 1, 2, 12.0, o.at()];
     IdAndOut mry_crowd_create_herd(c, i, o, e, p) => [i.creature, 2, 2, o.at()];
     Out mry_crowd_read(c, i, o, e, p) => [str(p), o.at()];
@@ -651,7 +660,7 @@ const CALLS: &[(&str, Has, Run)] = calls! {
 };
 
 /// Functions that destroy, and functions without a context.
-const OTHERS: [&str; 84] = [
+const OTHERS: [&str; 85] = [
     "mry_abi_check",
     "mry_allocator_init",
     "mry_bind_desc_init",
@@ -729,6 +738,7 @@ const OTHERS: [&str; 84] = [
     "mry_status_text",
     "mry_take_desc_init",
     "mry_take_destroy",
+    "mry_edit_desc_init",
     "mry_texture_desc_init",
     "mry_take_file_desc_init",
     "mry_take_info_init",

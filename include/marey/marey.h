@@ -118,6 +118,7 @@
 #define MRY_CREATURE_DESC_INIT { (uint32_t)sizeof(mry_creature_desc), 0, { 0 }, { 0 }, { NULL, 0 }, { NULL, 0 }, { NULL, 0 }, { NULL, 0 }, 0.0f, 0 }
 #define MRY_EXPORT_DESC_INIT { (uint32_t)sizeof(mry_export_desc), 0, { 0 }, { NULL, 0 }, 0, 0.0f }
 #define MRY_TEXTURE_DESC_INIT { (uint32_t)sizeof(mry_texture_desc), 0, { 0 }, { 0 }, { 0 }, { 0 }, 0, 0, { 0 }, { NULL, 0 }, 0.0f, 0.0f, NULL, 0, { NULL, 0 } }
+#define MRY_EDIT_DESC_INIT { (uint32_t)sizeof(mry_edit_desc), 0, { 0 }, 0, { NULL, 0 }, NULL, 0, NULL, 0 }
 #define MRY_CROWD_INFO_INIT { (uint32_t)sizeof(mry_crowd_info), 0, 0, 0, 0, 0, 0.0 }
 #define MRY_CAMERA_INIT { (uint32_t)sizeof(mry_camera), 0, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, { 0 } }
 #define MRY_RENDER_DESC_INIT { (uint32_t)sizeof(mry_render_desc), 0, 0, 0, 0, 0, 0.0f, { 0 }, 0, NULL, { 0 } }
@@ -1813,6 +1814,34 @@ typedef struct mry_texture_desc {
    */
   mry_str region;
 } mry_texture_desc;
+
+/**
+ * A mesh that a modelling tool gives back. Start from MRY_EDIT_DESC_INIT; creature must be set, and path or the lists.
+ *
+ * With as many vertices as the creature has, in the order in which mry_creature_read_vertices gives the parts one after
+ * the other and OBJ files have them, the change is a displacement in the frames of the bones. Any other mesh is bound
+ * anew to the bones of its nearest places, in one part with a texture of its own.
+ */
+typedef struct mry_edit_desc {
+  /** sizeof(mry_edit_desc). */
+  uint32_t struct_size;
+  /** Zero. */
+  uint32_t reserved0;
+  /** The creature. */
+  mry_creature creature;
+  /** The frame whose mesh was edited. */
+  uint64_t frame;
+  /** The mesh as a file, Wavefront OBJ; empty for the lists below. */
+  mry_str path;
+  /** x, y, z for each vertex, in world coordinates of the frame. */
+  const float *positions;
+  /** How many vertices. */
+  size_t vertex_count;
+  /** Three vertices for each triangle, counter-clockwise seen from outside. */
+  const uint32_t *indices;
+  /** How many triangles. */
+  size_t triangle_count;
+} mry_edit_desc;
 
 /** What a crowd is. */
 typedef struct mry_crowd_info {
@@ -4690,7 +4719,7 @@ mry_status mry_creature_repose(mry_context *context,
  * @param motion        The motion.
  * @param map           The text of a map.json that says which limb follows what: {"limbs": {"leg": {"tracks": ["hip",
  *                      "knee", "foot"], "facing": "toward"}, "tail": {"tracks": ["tail"], "reversed": true}}}; a limb
- *                      that it leaves out rests. Empty to match strokes by their names.
+ *                      that it leaves out rests. Empty to match strokes by their names, or where no name is the same by likeness.
  * @param desc          How; NULL for the defaults.
  * @param out_creature  The creature in its new motion.
  * @param err           Detail of a failure, or NULL.
@@ -8185,6 +8214,63 @@ mry_status mry_creature_read_textures(mry_context *context,
                                       mry_str folder,
                                       mry_creature *out_creature,
                                       mry_error *err);
+
+/** @} */
+
+/**
+ * @defgroup creature_edit Edits
+ *
+ * Edits. A creature's mesh of one frame goes out to a modelling tool; what was changed there comes back and plays in
+ * every frame.
+ * @{
+ */
+
+/**
+ * Fills in a description with struct_size set and everything else zero, for languages without the INIT macros.
+ *
+ * @param desc  Where to write; NULL does nothing.
+ * @param size  sizeof(mry_edit_desc) as the caller knows it.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+void mry_edit_desc_init(mry_edit_desc *desc,
+                        uint32_t size);
+
+/**
+ * Starts taking an edited mesh into a creature. Gives a creature, which mry_job_take_creature takes; the one it came
+ * from stays as it is. mry_job_get_report says {"kind": "displaced" or "bound_anew", "vertices": how many}.
+ *
+ * @param context  The context.
+ * @param desc     The edit. Its lists are copied; its file is read by the job.
+ * @param out_job  The job.
+ * @param err      Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_ARGUMENT (frame, no mesh), MRY_E_LIMIT, MRY_E_STRUCT_SIZE, MRY_E_STRING.
+ * Lifetime: until mry_job_destroy or the end of the context.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_job_start_edit(mry_context *context,
+                              const mry_edit_desc *desc,
+                              mry_job *out_job,
+                              mry_error *err);
+
+/**
+ * Takes an edited mesh into a creature, and returns when it is done. Work that was started before comes first.
+ *
+ * @param context       The context.
+ * @param desc          The edit.
+ * @param out_creature  The edited creature.
+ * @param err           Detail of a failure, or NULL.
+ * @return MRY_OK; what mry_job_start_edit and mry_job_wait return; MRY_E_INPUT (a mesh that is damaged or not where the
+ *         creature is in that frame), MRY_E_NO_FILE, MRY_E_IO.
+ * Lifetime: until mry_creature_destroy or the end of the context.
+ * Thread: [outside-callbacks]. Since 0.1.
+ */
+MRY_API
+mry_status mry_run_edit(mry_context *context,
+                        const mry_edit_desc *desc,
+                        mry_creature *out_creature,
+                        mry_error *err);
 
 /** @} */
 

@@ -1119,6 +1119,17 @@ public:
       return mry_creature_get_strain(c(), id_, text, capacity, size, err);
     });
   }
+  /** Writes the textures of all parts into a folder as PNG pictures, all or none. */
+  result<void> write_textures(std::string_view folder) const {
+    return detail::perform(
+      [&](mry_error *err) { return mry_creature_write_textures(c(), id_, detail::str(folder), err); });
+  }
+  /** The creature with the textures that are in a folder, as write_textures names them. */
+  result<creature> with_textures(std::string_view folder) const {
+    return other<creature, mry_creature>([&](mry_creature *id, mry_error *err) {
+      return mry_creature_read_textures(c(), id_, detail::str(folder), id, err);
+    });
+  }
   /** A part's surface in one frame, or in MRY_REST_POSE, without a copy. */
   result<mesh_map> map_part(std::uint32_t part, std::uint64_t frame) const {
     mry_mesh_view view = MRY_MESH_VIEW_INIT;
@@ -2104,6 +2115,24 @@ public:
   /** Makes a solid for printing, and returns when it is done; creature of the description must be set. */
   result<solid> run_print(const mry_print_desc &desc) const {
     return make<solid, mry_solid>([&](mry_solid *id, mry_error *err) { return mry_run_print(get(), &desc, id, err); });
+  }
+  /** Starts giving a creature other textures; the job makes a creature. */
+  result<job> start_texture(const mry_texture_desc &desc) const {
+    return make<job, mry_job>([&](mry_job *id, mry_error *err) { return mry_job_start_texture(get(), &desc, id, err); });
+  }
+  /** Gives a creature other textures, and returns when it is done. */
+  result<creature> run_texture(const mry_texture_desc &desc) const {
+    return make<creature, mry_creature>(
+      [&](mry_creature *id, mry_error *err) { return mry_run_texture(get(), &desc, id, err); });
+  }
+  /** Starts taking an edited mesh into a creature; the job makes a creature. */
+  result<job> start_edit(const mry_edit_desc &desc) const {
+    return make<job, mry_job>([&](mry_job *id, mry_error *err) { return mry_job_start_edit(get(), &desc, id, err); });
+  }
+  /** Takes an edited mesh into a creature, and returns when it is done. */
+  result<creature> run_edit(const mry_edit_desc &desc) const {
+    return make<creature, mry_creature>(
+      [&](mry_creature *id, mry_error *err) { return mry_run_edit(get(), &desc, id, err); });
   }
   /** An empty session in a new file, or in memory only where the path is empty. */
   result<session> new_session(std::string_view path = {}) const {

@@ -141,7 +141,8 @@ static mry_status edit_rig(soak *s) {
   size_t count = 0;
   float length = 0;
   mry_rig rig = { id(s, RIG) };
-  switch (below(s, 19)) {
+  switch (below(s, 20)) {
+    case 19: return below(s, 4) == 0 ? surface(s) : MRY_OK;
     case 16:
       return mry_rig_set_depth(s->context, rig, number(s, 4), frame(s), number(s, 4), real(s), real(s), ERR);
     case 17: return mry_rig_get_depth(s->context, rig, number(s, 4), frame(s), out(s), NULL, NULL, ERR);
@@ -422,6 +423,68 @@ static mry_status repose(soak *s) {
     case 2: status = mry_creature_drive(s->context, creature, motion, map, how, &made, ERR); break;
     case 3: return mry_creature_match(s->context, creature, motion, map, out(s), room(s, 1), &count, ERR);
     default: return mry_creature_get_strain(s->context, creature, out(s), room(s, 1), &count, ERR);
+  }
+  keep(s, CREATURE, made.v);
+  return status;
+}
+
+/* What a creature wears, and its mesh as a modelling tool gives it back. */
+static mry_status surface(soak *s) {
+  mry_creature creature = { id(s, CREATURE) }, made = { 0 };
+  mry_job job = { 0 };
+  mry_texture_desc texture = MRY_TEXTURE_DESC_INIT;
+  mry_edit_desc edit = MRY_EDIT_DESC_INIT;
+  const mry_str limbs[2] = { text(s), text(s) };
+  uint32_t indices[12];
+  float corners[12];
+  char name[300], region[300];
+  mry_status status;
+  SIZED(mry_texture_desc, &texture);
+  texture.creature = creature;
+  texture.from = (int32_t)below(s, 5);
+  texture.clip.v = id(s, CLIP);
+  texture.masks.v = below(s, 2) == 0 ? 0 : id(s, MASKS);
+  texture.mask_clip.v = id(s, CLIP);
+  texture.first_frame = below(s, 2) == 0 ? 0 : frame(s);
+  texture.frame_count = below(s, 2) == 0 ? 0 : frame(s);
+  texture.source.v = id(s, CREATURE);
+  texture.picture = place(s, name, ".png");
+  texture.width = below(s, 2) == 0 ? 0.0f : real(s);
+  texture.soft = below(s, 2) == 0 ? 0.0f : real(s);
+  texture.limbs = limbs;
+  texture.limb_count = below(s, 3) == 0 ? 2 : 0;
+  if (below(s, 4) == 0) {
+    texture.region = place(s, region, ".png");
+  }
+  SIZED(mry_edit_desc, &edit);
+  edit.creature = creature;
+  edit.frame = frame(s);
+  for (int i = 0; i < 12; i++) {
+    indices[i] = number(s, 4);
+    corners[i] = real(s);
+  }
+  edit.positions = below(s, 30) == 0 ? NULL : corners;
+  edit.vertex_count = below(s, 5);
+  edit.indices = indices;
+  edit.triangle_count = below(s, 5);
+  if (below(s, 3) == 0) {
+    edit.path = place(s, name, ".obj");
+  }
+  switch (below(s, 6)) {
+    case 0: return mry_creature_write_textures(s->context, creature, place(s, name, ""), ERR);
+    case 1: status = mry_creature_read_textures(s->context, creature, place(s, name, ""), &made, ERR); break;
+    case 2: status = mry_run_texture(s->context, &texture, &made, ERR); break;
+    case 3: status = mry_run_edit(s->context, &edit, &made, ERR); break;
+    case 4:
+      status = mry_job_start_edit(s->context, &edit, &job, ERR);
+      s->job_count += status == MRY_OK;
+      keep(s, JOB, job.v);
+      return status;
+    default:
+      status = mry_job_start_texture(s->context, &texture, &job, ERR);
+      s->job_count += status == MRY_OK;
+      keep(s, JOB, job.v);
+      return status;
   }
   keep(s, CREATURE, made.v);
   return status;

@@ -14,7 +14,7 @@ use cbindgen::{Builder, Config, DocumentationStyle, EnumConfig, ExportConfig, Fu
 use crate::shell::{root, say};
 
 /// The files of ffi/src in the order a reader meets them.
-const FILES: [&str; 67] = [
+const FILES: [&str; 68] = [
     "version.rs",
     "status.rs",
     "string.rs",
@@ -70,6 +70,7 @@ const FILES: [&str; 67] = [
     "reconstructing.rs",
     "exporting.rs",
     "texturing.rs",
+    "creature_edit.rs",
     "crowd.rs",
     "rendering.rs",
     "session.rs",

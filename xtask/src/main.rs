@@ -47,7 +47,8 @@ cargo xtask COMMAND
   prints CREATURE ... [-- OPTION ...]
                      a print of every frame, looked at by trimesh and manifold3d (a python3, or $PYTHON, that has them),
                      admesh and PrusaSlicer; OPTIONs are those of marey print (release build)
-  gallery            the pictures of docs/sketches.md, made anew by the commands it gives (release build)
+  gallery [ARTICLE ...]
+                     the pictures of docs/sketches.md and creatures.md, made anew by the commands they give (release build)
   validate GLB ...   the Khronos glTF validator on files
   blender GLB ...    files imported, played and exported again by Blender, and compared (fetches it)
 ";
@@ -75,7 +76,7 @@ fn main() -> Result<()> {
         "cancels" => cancels::run(),
         "players" => players::run(rest),
         "prints" => prints::run(rest),
-        "gallery" => gallery::gallery(),
+        "gallery" => gallery::gallery(rest),
         "validate" => validator::run(rest),
         "blender" => blender::run(rest),
         "help" | "--help" | "-h" => {

@@ -20,6 +20,7 @@ use super::matching::{MOST_PLACES, listed, paired, prune};
 use super::retarget::{Angles, Chain, RestSkeleton, RetargetMap, RetargetParams, retarget};
 use super::{Motion, Track, TrackFrame, TrackKind};
 use crate::error::{Error, Result};
+use crate::rig::Facing;
 
 /// A limb of a creature at rest.
 #[derive(Clone, Debug, PartialEq)]
@@ -33,13 +34,16 @@ pub struct RestLimb {
 }
 
 /// What a limb follows.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct LimbSource {
     /// A stroke's track; or joints or points, from where the limb hangs to its end.
     pub tracks: Vec<String>,
     /// Whether it runs the other way: from the end to where the limb hangs.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub reversed: bool,
+    /// Where to a limb in space leaves the image plane when it is drawn short.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub facing: Option<Facing>,
 }
 
 /// Which limb follows what.
@@ -83,7 +87,7 @@ struct MapFile {
 
 impl LimbMap {
     /// Reads the text of a limb map: `{"format": "marey-limb-map", "version": 1, "limbs": {"fore_near": {"tracks":
-    /// ["LeftArm", "LeftForeArm", "LeftHand"], "reversed": false}}}`. Format and version may be left out.
+    /// ["LeftArm", "LeftForeArm", "LeftHand"], "reversed": true, "facing": "toward"}}}`. Format and version may be left out.
     ///
     /// # Errors
     /// What is not readable as one.
@@ -485,7 +489,7 @@ fn unit_square(lines: &[Vec<DVec2>]) -> impl Fn(DVec2) -> DVec2 + use<> {
 fn possible_sources(motion: &Motion) -> Vec<LimbSource> {
     let strokes = motion.tracks.iter().filter(|t| t.kind == TrackKind::Stroke && t.frames[0].points.len() > 1);
     let strokes: Vec<LimbSource> =
-        strokes.map(|t| LimbSource { tracks: vec![t.name.clone()], reversed: false }).collect();
+        strokes.map(|t| LimbSource { tracks: vec![t.name.clone()], ..LimbSource::default() }).collect();
     if !strokes.is_empty() {
         return strokes;
     }
@@ -521,7 +525,7 @@ fn possible_sources(motion: &Motion) -> Vec<LimbSource> {
             let own = if chain.len() > 3 { &chain[1..] } else { &chain[..] };
             out.push(LimbSource {
                 tracks: own.iter().map(|j| motion.tracks[*j].name.clone()).collect(),
-                reversed: false,
+                ..LimbSource::default()
             });
         }
     }

@@ -634,7 +634,7 @@ fn maps_that_name_what_is_not_there_are_refused() {
     let (source, own) = (walk(20, 20.0, Vec2::ZERO, 0.0), creature());
     let limbs = rest_limbs(&own, None).expect("limbs");
     let carry = |limb: &str, track: &str, params: &LimbMapParams| {
-        let source_of = LimbSource { tracks: vec![track.into()], reversed: false };
+        let source_of = LimbSource { tracks: vec![track.into()], ..LimbSource::default() };
         let map = LimbMap { limbs: [(limb.to_owned(), source_of)].into() };
         map_limbs(&source, &limbs, own.size, &map, params)
     };

@@ -88,6 +88,7 @@ mod render;
 mod reposing;
 mod session;
 mod sketch;
+mod surface;
 pub(crate) use control_points::*;
 pub(crate) use drawing::*;
 pub(crate) use joints::*;
@@ -98,6 +99,7 @@ pub(crate) use render::*;
 pub(crate) use reposing::*;
 pub(crate) use session::*;
 pub(crate) use sketch::*;
+pub(crate) use surface::*;
 
 /// An object of the ABI, destroyed by its function. An id that is stale by then has nothing left to destroy.
 macro_rules! destroy {

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::{Parser, Subcommand};
 
 use crate::motion_args::MotionCommand;
+use crate::surface_args::{Edit, Texture};
 
 #[derive(Debug, Parser)]
 #[command(
@@ -21,6 +22,7 @@ Examples:
   marey track walk.gif --joints j.json -o m.json        a character's joints over time
   marey sketch bird.svg --motion m.json -o bird.svg     a vector drawing that takes a motion
   marey render horse -o horse.gif --turntable           a creature from all sides
+  marey texture horse --pictures skin                   its textures, to paint on
   marey motion loop horse/motion.json -o loop.json      a stride that repeats without a seam
 
 CLIP is a video file (mp4, GIF, APNG, animated WebP; others through an ffmpeg on the PATH) or a folder of numbered
@@ -55,6 +57,10 @@ pub(crate) enum Command {
     Render(Box<Render>),
     /// Draw many creatures, put them back into their clip, or write them as one glTF file
     Crowd(Box<Crowd>),
+    /// Give a creature other textures, or take them out to paint on
+    Texture(Box<Texture>),
+    /// Take a mesh that was changed in a modelling tool back into a creature
+    Edit(Edit),
     /// Make a frame of a creature a solid for a 3D printer
     Print(Print),
     /// Give a drawing a mesh and a skeleton

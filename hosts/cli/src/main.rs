@@ -8,6 +8,7 @@ mod commands;
 mod failure;
 mod motion_args;
 mod say;
+mod surface_args;
 mod watch;
 
 use clap::Parser as _;
@@ -50,6 +51,8 @@ fn run(args: &Args) -> Result<(), Failure> {
         Command::Creature(creature) => commands::creature(&session, creature),
         Command::Render(render) => commands::render(&session, render),
         Command::Crowd(crowd) => commands::crowd(&session, crowd),
+        Command::Texture(texture) => commands::texture(&session, texture),
+        Command::Edit(edit) => commands::edit(&session, edit),
         Command::Print(print) => commands::print(&session, print),
         Command::Demo(demo) => commands::demo(&session, demo),
         Command::Rig(rig) => commands::rig(&session, rig),

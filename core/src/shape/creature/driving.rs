@@ -11,72 +11,19 @@
 use std::collections::BTreeMap;
 
 use glam::{Vec2, vec2};
-use serde::{Deserialize, Serialize};
 
 use super::posing::{Key, Poser, labels};
-use super::{Creature, LimbPose, PoseParams, path};
+use super::{Creature, CreatureLimb, LimbPose, PoseParams, path};
 use crate::error::{Error, Result};
 use crate::geometry::polyline;
 use crate::job::Stage;
+use crate::motion::limb_map::{LimbMap, LimbSource, propose_map, rest_limbs};
 use crate::motion::{Motion, TrackKind, listed};
 use crate::rig::Facing;
 use crate::shape::character::Easing;
 
-const FORMAT: &str = "marey-map";
 /// A body whose limbs are longer or shorter by less than this share is the same.
 const SAME: f32 = 0.05;
-
-/// What a limb follows.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct LimbSource {
-    /// A stroke track, or several tracks whose points make a stroke in this order, from the limb's start to its end.
-    pub tracks: Vec<String>,
-    /// Whether the points run from the limb's end to its start instead.
-    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
-    pub reversed: bool,
-    /// Where to the limb leaves the image plane when it is short.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub facing: Option<Facing>,
-}
-
-/// Which limb of a creature follows what. Limbs that are not named keep their rest pose against what they hang from.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct LimbMap {
-    /// By the limbs' labels.
-    pub limbs: BTreeMap<String, LimbSource>,
-}
-
-#[derive(Serialize, Deserialize)]
-struct File {
-    #[serde(default)]
-    format: Option<String>,
-    #[serde(default)]
-    version: Option<u32>,
-    limbs: BTreeMap<String, LimbSource>,
-}
-
-impl LimbMap {
-    /// Reads the text of a map.json: `{"format": "marey-map", "version": 1, "limbs": {"tail": {"tracks": ["tail"],
-    /// "reversed": true}, "hind_near": {"tracks": ["hip", "knee", "foot"], "facing": "away"}}}`. Format and version may be
-    /// left out.
-    ///
-    /// # Errors
-    /// What is not readable as one.
-    pub fn from_json(text: &str) -> Result<Self> {
-        let bad = |problem: String| Error::invalid("map", problem, "expected a marey-map file with `limbs`");
-        let file: File = serde_json::from_str(text).map_err(|e| bad(format!("is not readable: {e}")))?;
-        if file.format.is_some_and(|f| f != FORMAT) || file.version.is_some_and(|v| v != 1) {
-            return Err(bad(format!("is not in the format {FORMAT}, version 1")));
-        }
-        Ok(Self { limbs: file.limbs })
-    }
-
-    /// The text of a map.json.
-    pub fn to_json(&self) -> String {
-        let file = File { format: Some(FORMAT.into()), version: Some(1), limbs: self.limbs.clone() };
-        serde_json::to_string(&file).unwrap_or_default()
-    }
-}
 
 /// How a motion drives a creature.
 #[derive(Clone, Debug, PartialEq)]
@@ -97,8 +44,8 @@ impl Default for DriveParams {
 }
 
 impl Creature {
-    /// What each limb follows: what `given` says, or else the stroke track of its name, letter for letter or by letters
-    /// and digits alone.
+    /// What each limb follows: what `given` says; or else the stroke track of its name, letter for letter or by letters
+    /// and digits alone; or else, where no name is the same, what [`propose_map`] finds alike.
     ///
     /// # Errors
     /// A map that names what is not there, or nothing that matches, with the names on both sides.
@@ -120,33 +67,35 @@ impl Creature {
                 }
             }
         }
-        let mut limbs = given.map(|g| g.limbs.clone()).unwrap_or_default();
+        // A map is meant as it is written: what it leaves out rests.
+        if let Some(given) = given.filter(|g| !g.limbs.is_empty()) {
+            return Ok(given.clone());
+        }
         let letters = |name: &str| -> String {
             name.chars().filter(|c| c.is_alphanumeric()).flat_map(char::to_lowercase).collect()
         };
         let strokes = || {
             motion.tracks.iter().filter(|t| t.kind == TrackKind::Stroke && t.frames.iter().all(|f| f.points.len() > 1))
         };
-        // A map is meant as it is written: what it leaves out rests.
-        for limb in self.limbs.iter().filter(|_| given.is_none()) {
+        let named = |limb: &CreatureLimb| {
             let exact = strokes().find(|t| t.name == limb.label);
-            if let Some(track) = exact.or_else(|| strokes().find(|t| letters(&t.name) == letters(&limb.label))) {
-                let source = LimbSource { tracks: vec![track.name.clone()], ..LimbSource::default() };
-                limbs.insert(limb.label.clone(), source);
-            }
+            let track = exact.or_else(|| strokes().find(|t| letters(&t.name) == letters(&limb.label)))?;
+            let source = LimbSource { tracks: vec![track.name.clone()], ..LimbSource::default() };
+            Some((limb.label.clone(), source))
+        };
+        let limbs: BTreeMap<String, LimbSource> = self.limbs.iter().filter_map(named).collect();
+        if !limbs.is_empty() {
+            return Ok(LimbMap { limbs });
         }
-        if limbs.is_empty() {
-            let problem = format!(
-                "has no track for any limb: its tracks are {}, the limbs {}",
-                tracks(motion),
+        let alike = rest_limbs(&self.motion(), None).and_then(|limbs| propose_map(motion, &limbs));
+        alike.map_err(|e| {
+            let problem = format!("suits no limb: {e}; its tracks are {}", tracks(motion));
+            let remedy = format!(
+                "give a map: {{\"limbs\": {{LIMB: {{\"tracks\": [TRACK, ...]}}, ...}}}}, with the limbs {}",
                 labels(&self.limbs)
             );
-            let (limb, track) =
-                (self.limbs.first().map_or("", |l| &l.label), motion.tracks.first().map_or("", |t| &t.name));
-            let remedy = format!(r#"give a map: {{"limbs": {{"{limb}": {{"tracks": ["{track}", ...]}}, ...}}}}"#);
-            return Err(Error::invalid("motion", problem, remedy));
-        }
-        Ok(LimbMap { limbs })
+            Error::invalid("motion", problem, remedy)
+        })
     }
 
     /// The creature moved by `motion`, with its frames and its rate; `map` is as [`Self::matched`] completes it.
@@ -260,7 +209,7 @@ impl Followed {
     }
 
     /// Where the end that is to be held is.
-    fn held(&self, limb: &super::CreatureLimb, frame: usize) -> Vec2 {
+    fn held(&self, limb: &CreatureLimb, frame: usize) -> Vec2 {
         let points = &self.frames[frame];
         let end = if limb.reversed { points.last() } else { points.first() };
         end.copied().unwrap_or_default()

@@ -8,6 +8,8 @@
 //! Limits: a new part that reaches far from the old surface follows its nearest place rigidly; where a pose folds the
 //! skin flat, a change there cannot be carried back and is left out.
 
+use std::path::Path;
+
 use glam::{Mat4, Vec3};
 use image::{Rgb, RgbImage};
 use rayon::prelude::*;
@@ -48,6 +50,16 @@ pub enum EditKind {
 }
 
 impl EditedMesh {
+    /// Reads a Wavefront OBJ.
+    ///
+    /// # Errors
+    /// A file that cannot be read, and what [`Self::from_obj`] refuses.
+    pub fn read(path: impl AsRef<Path>) -> Result<Self> {
+        let path = path.as_ref();
+        let text = std::fs::read_to_string(path).map_err(|e| Error::io(path, "read", e))?;
+        Self::from_obj(&text).map_err(|e| e.in_file(path))
+    }
+
     /// The vertices and faces of a Wavefront OBJ; faces of more corners are split into fans. All else is left out.
     ///
     /// # Errors

@@ -31,7 +31,7 @@ mod tests;
 use rayon::prelude::*;
 
 pub use creature_limb::{CreatureLimb, Hold};
-pub use driving::{DriveParams, LimbMap, LimbSource};
+pub use driving::DriveParams;
 pub use edit::{EditKind, EditedMesh, apply_edit};
 pub use params::{CreatureParams, CrossSection, LegSpread, Surface};
 pub use pose_keys::{PoseKey, PoseKeys};

@@ -6,6 +6,7 @@ use image::RgbImage;
 use super::*;
 use crate::geometry::TriMesh;
 use crate::job::Progress;
+use crate::motion::limb_map::LimbMap;
 use crate::motion::{Track, TrackFrame, TrackKind};
 use crate::rig::Facing;
 use crate::shape::character::Easing;
@@ -403,13 +404,21 @@ fn maps_names_mirrors_and_mistakes() {
         (r#"{"limbs": {"leg": {"tracks": ["shin"]}}}"#, "`shin`"),
         (r#"{"limbs": {"leg": {"tracks": ["hip"]}}}"#, "two points"),
         (r#"{"limbs": {"leg": {"tracks": []}}}"#, "two points"),
-        (r#"{"limbs": {}}"#, "no track for any limb"),
     ];
     for (map, expected) in cases {
         let message = driven(&motion, Some(map), &DriveParams::default()).expect_err(expected).to_string();
         assert!(message.contains(expected), "{message} should say {expected}");
     }
-    assert!(LimbMap::from_json("[]").is_err() && LimbMap::from_json(r#"{"format": "x", "limbs": {}}"#).is_err());
+    assert!(LimbMap::from_json("[]").is_err() && LimbMap::from_json(r#"{"limbs": {}}"#).is_err());
+    // Where no name is the same, what lies alike is followed.
+    let mut strange = creature.motion();
+    strange.tracks.iter_mut().for_each(|t| t.name = format!("{} of a stranger", t.name));
+    strange.bones.clear();
+    let alike = creature.matched(&strange, None).expect("alike");
+    for limb in &creature.limbs {
+        assert_eq!(alike.limbs[&limb.label].tracks, [format!("{} of a stranger", limb.label)]);
+    }
+    assert!(LimbMap::from_json(r#"{"format": "x", "limbs": {"a": {"tracks": ["b"]}}}"#).is_err());
     let mut huge = motion.clone();
     huge.tracks[0].frames[1].points[1] = Vec2::splat(f32::MAX);
     let message = driven(&huge, None, &DriveParams::default()).expect_err("huge").to_string();

@@ -1,10 +1,10 @@
 //! `marey crowd CROWD -o OUT`: a creature many times over.
 
-use marey_binding::{Clip, Crowd};
+use marey_binding::Crowd;
 use serde_json::json;
 
 use super::render::{file, pictures, say_drawn};
-use super::{Session, utf8};
+use super::{Session, masks_of, utf8};
 use crate::args;
 use crate::failure::{BAD_USE, Failure};
 use crate::say;
@@ -43,7 +43,7 @@ pub(crate) fn crowd(session: &Session, args: &args::Crowd) -> Result<(), Failure
             let clip = session.open_clip(into)?;
             let frames =
                 look.frames.unwrap_or(if args.count.is_some() || !is_file(args) { clip.info()?.frames } else { 0 });
-            let masks = masks(session, args)?;
+            let masks = masks_of(session, args.masks.as_deref(), &args.crowd)?;
             let crowd = open(session, args, frames)?;
             session.context.start_render_in_clip(&crowd, &clip, masks.as_ref(), args.alone, &pictures, &file)?
         }
@@ -66,14 +66,4 @@ fn open(session: &Session, args: &args::Crowd, frames: u64) -> Result<Crowd, Fai
     }
     let creature = session.context.open_creature(utf8(&args.crowd)?)?;
     Ok(session.context.herd(&creature, args.count.unwrap_or(COUNT), frames)?)
-}
-
-/// Masks as asked for, else those in the creature's folder.
-fn masks(session: &Session, args: &args::Crowd) -> Result<Option<Clip>, Failure> {
-    let beside = args.crowd.join("masks");
-    match &args.masks {
-        Some(masks) => session.open_clip(masks).map(Some),
-        None if beside.is_dir() => session.open_clip(&beside).map(Some),
-        None => Ok(None),
-    }
 }

@@ -5,6 +5,7 @@ mod creature;
 mod crowd;
 mod deform;
 mod demo;
+mod edit;
 mod info;
 mod motion;
 mod path;
@@ -17,6 +18,7 @@ mod segment;
 mod session_files;
 mod session_info;
 mod sketch;
+mod texture;
 mod track;
 
 pub(crate) use character::{character, retarget, rig};
@@ -24,6 +26,7 @@ pub(crate) use creature::creature;
 pub(crate) use crowd::crowd;
 pub(crate) use deform::deform;
 pub(crate) use demo::demo;
+pub(crate) use edit::edit;
 pub(crate) use info::info;
 pub(crate) use motion::motion;
 pub(crate) use path::path;
@@ -36,6 +39,7 @@ pub(crate) use segment::segment;
 pub(crate) use session_files::{session_embed, session_replay};
 pub(crate) use session_info::session_info;
 pub(crate) use sketch::{bind, sketch};
+pub(crate) use texture::texture;
 pub(crate) use track::track;
 
 use std::path::Path;
@@ -113,6 +117,16 @@ fn check_file(path: &Path) -> Result<(), Failure> {
             Err(Failure::new(BAD_INPUT, format!("{}: is no folder to write into; create it first", folder.display())))
         }
         _ => Ok(()),
+    }
+}
+
+/// Masks as asked for, else those in the creature's folder.
+fn masks_of(session: &Session, masks: Option<&Path>, creature: &Path) -> Result<Option<Clip>, Failure> {
+    let beside = creature.join("masks");
+    match masks {
+        Some(masks) => session.open_clip(masks).map(Some),
+        None if beside.is_dir() => session.open_clip(&beside).map(Some),
+        None => Ok(None),
     }
 }
 
