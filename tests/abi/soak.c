@@ -141,8 +141,7 @@ static mry_status edit_rig(soak *s) {
   size_t count = 0;
   float length = 0;
   mry_rig rig = { id(s, RIG) };
-  switch (below(s, 20)) {
-    case 19: return below(s, 4) == 0 ? surface(s) : MRY_OK;
+  switch (below(s, 19)) {
     case 16:
       return mry_rig_set_depth(s->context, rig, number(s, 4), frame(s), number(s, 4), real(s), real(s), ERR);
     case 17: return mry_rig_get_depth(s->context, rig, number(s, 4), frame(s), out(s), NULL, NULL, ERR);
@@ -503,7 +502,8 @@ static mry_status use_creature(soak *s) {
   char name[300];
   size_t count = 0;
   mry_status status;
-  switch (below(s, 19)) {
+  switch (below(s, 20)) {
+    case 19: return below(s, 4) == 0 ? surface(s) : MRY_OK;
     case 16:
     case 17:
     case 18: return repose(s);
