@@ -152,7 +152,7 @@ pub struct mry_render_file_desc {
     /// With a clip: 1 to draw the crowd alone, on nothing, with what hides it cut out.
     pub alone: u32,
     /// With a crowd: the clip to put it back into, seen as it was filmed; {0} for none. Size, camera, background, shadow,
-    /// frame, still, frame_count, fps and turns are not looked at.
+    /// frame_count, fps and turns are not looked at.
     pub clip: mry_clip,
     /// With a clip: masks of who was filmed, who hides what is behind it (z below 0); {0} for none.
     pub masks: mry_masks,
@@ -371,6 +371,10 @@ impl Call<'_> {
             .map_err(|e| Failure::from(e).about("desc.format"))?;
         let renderer = self.renderer(adapter(picture.adapter)?)?;
         let alone = desc.alone == 1;
+        let still = match desc.still {
+            1 => Some(frame_index(picture.frame, crowd.crowd.frames)?),
+            _ => None,
+        };
         Ok(Box::new(move |progress| {
             let began = std::time::Instant::now();
             let stage = progress.whole();
@@ -380,10 +384,9 @@ impl Call<'_> {
                 None => masks,
             };
             let mut film = InClip::new(&crowd.crowd, clip, masks)?;
-            (film.picture.style, film.alone) = (style, alone);
+            (film.picture.style, film.alone, film.still) = (style, alone, still);
             let files = film.write(&renderer, &path, format, stage).map_err(of_gpu)?;
-            let (frames, fps) = (crowd.crowd.frames, crowd.crowd.fps);
-            let report = report_of(&files, frames, fps, film.picture.size, &renderer, began);
+            let report = report_of(&files, film.frames(), crowd.crowd.fps, film.picture.size, &renderer, began);
             Ok(Product { report: Some(report), ..Product::default() })
         }))
     }

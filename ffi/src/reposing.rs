@@ -7,6 +7,7 @@ use std::sync::Arc;
 
 use marey::job::Progress;
 use marey::motion::limb_map::LimbMap;
+use marey::motion::retarget::Angles;
 use marey::shape::creature::{self, DriveParams, LimbPose, PoseKeys, PoseParams};
 
 use crate::bones::{mry_transform, transforms_out};
@@ -26,6 +27,14 @@ pub const MRY_LENGTHS_DEFAULT: i32 = 0;
 pub const MRY_LENGTHS_KEPT: i32 = 1;
 /// Lengths of a creature's bones: as the strokes have them, within the stretch.
 pub const MRY_LENGTHS_DRAWN: i32 = 2;
+
+/// A motion turns limbs as suits it: MRY_TURNS_ABSOLUTE with a body of the same lengths in a picture of the same size, else
+/// MRY_TURNS_RELATIVE.
+pub const MRY_TURNS_DEFAULT: i32 = 0;
+/// Limbs turn as the motion's do, each from its own mean pose; a motion that faces the other way is mirrored.
+pub const MRY_TURNS_RELATIVE: i32 = 1;
+/// Limbs point where the motion's do.
+pub const MRY_TURNS_ABSOLUTE: i32 = 2;
 
 /// How a creature is posed. Start from MRY_REPOSE_DESC_INIT; nothing must be set.
 #[repr(C)]
@@ -50,13 +59,17 @@ pub struct mry_repose_desc {
     pub mirror: u32,
     /// For key poses: how many frames to make; 0 for up to the last key.
     pub frames: u64,
+    /// For motions: MRY_TURNS_DEFAULT, ...
+    pub turns: i32,
+    /// Zero.
+    pub reserved0: u32,
 }
 
 // SAFETY: repr(C), starts with its u32 size; numbers.
 unsafe impl Versioned for mry_repose_desc {
     const FIRST_SIZE: usize = 40;
 }
-const _: () = assert!(size_of::<mry_repose_desc>() == 40);
+const _: () = assert!(size_of::<mry_repose_desc>() == 48);
 
 /// A limb as drawn for a pose.
 #[repr(C)]
@@ -126,6 +139,12 @@ impl Reposing {
             params.foreshortened = or(desc.foreshortened, params.foreshortened);
             params.sharpest = or(desc.sharpest.to_radians(), params.sharpest);
         }
+        drive.angles = match desc.turns {
+            MRY_TURNS_DEFAULT => None,
+            MRY_TURNS_RELATIVE => Some(Angles::Relative),
+            MRY_TURNS_ABSOLUTE => Some(Angles::Absolute),
+            n => return Err(Failure::argument("desc.turns", format!("desc.turns is {n}, which is no MRY_TURNS"))),
+        };
         drive.mirror = desc.mirror == 1;
         drive.root_scale = match (desc.in_place, desc.root_scale) {
             (1, _) => Some(0.0),

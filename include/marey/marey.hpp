@@ -1011,6 +1011,8 @@ struct reposing {
   bool mirror = false;
   /** For key poses: how many frames to make; 0 for up to the last key. */
   std::uint64_t frames = 0;
+  /** For motions: MRY_TURNS_DEFAULT, ... */
+  std::int32_t turns = MRY_TURNS_DEFAULT;
 
   /** The description for the C library. */
   mry_repose_desc desc() const {
@@ -1021,6 +1023,7 @@ struct reposing {
     desc.in_place = in_place ? 1u : 0u;
     desc.mirror = mirror ? 1u : 0u;
     desc.frames = frames;
+    desc.turns = turns;
     return desc;
   }
 };

@@ -30,6 +30,8 @@ pub struct InClip {
     pub picture: Picture,
     /// Whether only the crowd is drawn, on nothing, for putting it over the clip elsewhere.
     pub alone: bool,
+    /// Whether one frame alone is written, and which.
+    pub still: Option<usize>,
 }
 
 impl InClip {
@@ -70,9 +72,15 @@ impl InClip {
             fps: crowd.fps,
             picture: Picture::new(size, Camera::of_clip(size, size)),
             alone: false,
+            still: None,
             clip,
             masks,
         })
+    }
+
+    /// How many pictures [`Self::write`] draws.
+    pub fn frames(&self) -> usize {
+        self.still.map_or(self.frames, |_| 1)
     }
 
     /// Draws a frame: the clip with the crowd in it, or the crowd alone.
@@ -97,7 +105,7 @@ impl InClip {
         Ok(out)
     }
 
-    /// Draws all frames and writes them. Says which files that made.
+    /// Draws all frames, or the still one, and writes them. Says which files that made.
     ///
     /// # Errors
     /// What [`Self::draw`] and [`animation::write`] say. What was there before then stays as it was.
@@ -109,9 +117,9 @@ impl InClip {
         stage: Stage<'_>,
     ) -> Result<Vec<PathBuf>> {
         let name = path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
-        let draw = |frame: usize| self.draw(renderer, frame, stage);
+        let draw = |frame: usize| self.draw(renderer, self.still.unwrap_or(frame), stage);
         let (size, pivot) = (self.picture.size, [0.5, 0.5]);
-        let film = Animation { name: &name, frames: self.frames, fps: self.fps, size, pivot, draw: &draw };
+        let film = Animation { name: &name, frames: self.frames(), fps: self.fps, size, pivot, draw: &draw };
         animation::write(path, format, &film, stage)
     }
 }

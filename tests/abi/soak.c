@@ -405,6 +405,7 @@ static mry_status repose(soak *s) {
   desc.stretch = below(s, 3) == 0 ? real(s) : 0.0f;
   desc.frames = below(s, 40);
   desc.mirror = below(s, 2);
+  desc.turns = (int32_t)below(s, 4);
   char json[600];
   snprintf(json, sizeof json, poses, 120 + below(s, 2), below(s, 60), below(s, 90), 1 + below(s, 30), below(s, 90));
   const mry_repose_desc *how = below(s, 3) == 0 ? NULL : &desc;

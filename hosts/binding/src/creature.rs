@@ -96,6 +96,8 @@ pub struct ReposeOptions<'a> {
     pub root_scale: Option<f32>,
     /// Whether left and right of a motion change places.
     pub mirror: bool,
+    /// Whether limbs point where a motion's do, or turn as they do from their own mean pose; none for what suits it.
+    pub absolute: Option<bool>,
     /// How many frames to make of key poses; 0 for up to the last key.
     pub frames: u64,
     /// The text of a map.json that says which limb follows what of a motion; empty to match by names.

@@ -644,6 +644,10 @@ pub(crate) struct Pose {
     /// Turn a motion that runs the other way
     #[arg(long, requires = "motion")]
     pub(crate) mirror: bool,
+    /// Whether limbs turn as the motion's do from their own mean pose, or point where they do [default: absolute for a
+    /// motion of the same body]
+    #[arg(long, value_enum, requires = "motion")]
+    pub(crate) angles: Option<Angles>,
     /// From where a BVH file is seen
     #[arg(long, value_enum, default_value_t = View::Front)]
     pub(crate) view: View,

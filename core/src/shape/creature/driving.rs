@@ -1,12 +1,13 @@
 //! Any motion on a creature: in every frame the tracks pose the limbs that follow them.
 //!
-//! A limb follows a stroke track, or a chain of tracks such as the joints of a captured leg. Where the creature keeps its
-//! bones' lengths, each limb takes directions, and how much of its greatest length it shows; else the whole motion is
+//! A limb follows a stroke track, or a chain of tracks such as the joints of a captured leg. Another body's motion turns
+//! the limbs from their own mean pose as it turns that body's from its, since a camel does not carry its head where a fox
+//! does; a motion of the same body says where limbs point. Where the creature keeps its bones' lengths, each limb takes directions, and how much of its greatest length it shows; else the whole motion is
 //! scaled and limbs lie along it. The root starts where the creature's own animation starts, and its way is scaled by how
 //! much longer the creature's limbs are; a motion of the creature's own clip stays where it is.
 //!
 //! Known limits: what a body does in depth is not in a motion, so that legs drawn short come toward the viewer unless
-//! the map says otherwise; a motion that runs the other way has to be mirrored.
+//! the map says otherwise; where limbs point as the motion's, one that runs the other way has to be mirrored.
 
 use std::collections::BTreeMap;
 
@@ -17,7 +18,8 @@ use super::{Creature, CreatureLimb, LimbPose, PoseParams, path};
 use crate::error::{Error, Result};
 use crate::geometry::polyline;
 use crate::job::Stage;
-use crate::motion::limb_map::{LimbMap, LimbSource, propose_map, rest_limbs};
+use crate::motion::limb_map::{LimbMap, LimbMapParams, LimbSource, map_limbs, propose_map, rest_limbs};
+use crate::motion::retarget::Angles;
 use crate::motion::{Motion, TrackKind, listed};
 use crate::rig::Facing;
 use crate::shape::character::Easing;
@@ -32,14 +34,19 @@ pub struct DriveParams {
     pub pose: PoseParams,
     /// What the root's way is scaled by; `None` for the ratio of the limbs' lengths.
     pub root_scale: Option<f32>,
-    /// Whether left and right of the motion change places.
+    /// Whether left and right of the motion change places. Where limbs turn as another body's, they do so without being
+    /// told where that body faces the other way.
     pub mirror: bool,
+    /// Whether limbs turn as the motion's do, each from its own mean pose, or point where they point; `None` for the
+    /// latter with a body of the same lengths in a picture of the same size, else the former.
+    pub angles: Option<Angles>,
 }
 
 impl Default for DriveParams {
     /// The creature's bones keep their lengths: another body's changes of length say nothing about this one.
     fn default() -> Self {
-        Self { pose: PoseParams { keep_lengths: true, ..PoseParams::default() }, root_scale: None, mirror: false }
+        let pose = PoseParams { keep_lengths: true, ..PoseParams::default() };
+        Self { pose, root_scale: None, mirror: false, angles: None }
     }
 }
 
@@ -118,24 +125,11 @@ impl Creature {
         if params.root_scale.is_some_and(|s| !(-1000.0..=1000.0).contains(&s)) {
             return Err(Error::invalid("root scale", "is out of range", "give a factor of at most 1000"));
         }
-        let followed: Vec<Option<Followed>> = self
-            .limbs
-            .iter()
-            .map(|limb| Some(Followed::new(motion, map.limbs.get(&limb.label)?, params.mirror)))
-            .collect();
-        let (mut own, mut theirs) = (0.0, 0.0);
-        for (limb, followed) in self.limbs.iter().zip(&followed) {
-            if let Some(followed) = followed {
-                own += limb.length;
-                theirs += followed.length;
-            }
+        let (followed, ratio) = self.follow(motion, &map, params.mirror)?;
+        let same_body = ratio == 1.0 && motion.size == self.model.size;
+        if params.angles.map_or(!same_body, |a| a == Angles::Relative) {
+            return self.turned(motion, &map, params, stage);
         }
-        if !(theirs > 0.0 && theirs.is_finite()) {
-            return Err(Error::invalid("motion", "has strokes of no length or of no bounds", "give tracks of limbs"));
-        }
-        let ratio: f32 = own / theirs;
-        // Lengths of one body differ by so much between one tracking and the next.
-        let ratio = if (ratio - 1.0).abs() < SAME { 1.0 } else { ratio };
         let root_scale = params.root_scale.unwrap_or(ratio);
         // Everything moves with the first root that follows something.
         let lead = (0..self.limbs.len()).find(|&l| self.limbs[l].parent.is_none() && followed[l].is_some());
@@ -182,6 +176,55 @@ impl Creature {
         out.model.animation = animation;
         out.model.fps = motion.fps;
         Ok(out)
+    }
+}
+
+impl Creature {
+    /// What each limb follows over all frames, and how much longer the limbs are than what they follow.
+    fn follow(&self, motion: &Motion, map: &LimbMap, mirror: bool) -> Result<(Vec<Option<Followed>>, f32)> {
+        let follow = |limb: &CreatureLimb| Some(Followed::new(motion, map.limbs.get(&limb.label)?, mirror));
+        let followed: Vec<Option<Followed>> = self.limbs.iter().map(follow).collect();
+        let (mut own, mut theirs) = (0.0, 0.0);
+        for (limb, followed) in self.limbs.iter().zip(&followed) {
+            if let Some(followed) = followed {
+                own += limb.length;
+                theirs += followed.length;
+            }
+        }
+        if !(theirs > 0.0 && theirs.is_finite()) {
+            return Err(Error::invalid("motion", "has strokes of no length or of no bounds", "give tracks of limbs"));
+        }
+        let ratio: f32 = own / theirs;
+        // Lengths of one body differ by so much between one tracking and the next.
+        Ok((followed, if (ratio - 1.0).abs() < SAME { 1.0 } else { ratio }))
+    }
+
+    /// The creature moved by `motion` carried onto its own limbs first.
+    fn turned(&self, motion: &Motion, map: &LimbMap, params: &DriveParams, stage: Stage<'_>) -> Result<Creature> {
+        let how = LimbMapParams {
+            stretch: if params.pose.keep_lengths { 1.0 } else { f64::from(params.pose.stretch) },
+            travel: params.root_scale.map(f64::from),
+            mirror: params.mirror.then_some(true),
+            ..LimbMapParams::default()
+        };
+        // Limbs are carried over from where they hang, also those that were drawn from their ends.
+        let mut own = self.motion();
+        let (mut from, mut to) = (map.clone(), LimbMap::default());
+        for (limb, track) in self.limbs.iter().zip(&mut own.tracks) {
+            if limb.reversed {
+                track.frames.iter_mut().for_each(|f| f.points.reverse());
+            }
+            if let Some(source) = from.limbs.get_mut(&limb.label) {
+                source.reversed ^= limb.reversed;
+                let tracks = vec![limb.label.clone()];
+                let carried = LimbSource { tracks, reversed: limb.reversed, facing: source.facing };
+                to.limbs.insert(limb.label.clone(), carried);
+            }
+        }
+        let carried = map_limbs(motion, &rest_limbs(&own, None)?, self.model.size, &from, &how)?;
+        let how =
+            DriveParams { root_scale: Some(1.0), mirror: false, angles: Some(Angles::Absolute), ..params.clone() };
+        self.driven(&carried, Some(&to), &how, stage)
     }
 }
 

@@ -7,6 +7,7 @@ use super::*;
 use crate::geometry::TriMesh;
 use crate::job::Progress;
 use crate::motion::limb_map::LimbMap;
+use crate::motion::retarget::Angles;
 use crate::motion::{Track, TrackFrame, TrackKind};
 use crate::rig::Facing;
 use crate::shape::character::Easing;
@@ -352,6 +353,11 @@ fn foreign(frames: usize) -> Motion {
 const MAP: &str = r#"{"limbs": {"body": {"tracks": ["Body"]}, "leg": {"tracks": ["hip", "knee", "foot"]},
     "tail": {"tracks": ["tip"], "reversed": true, "facing": "away"}}}"#;
 
+/// Limbs point where the motion's do.
+fn pointing() -> DriveParams {
+    DriveParams { angles: Some(Angles::Absolute), ..DriveParams::default() }
+}
+
 fn driven(motion: &Motion, map: Option<&str>, params: &DriveParams) -> Result<Creature> {
     let map = map.map(|text| LimbMap::from_json(text).expect("a map"));
     creature().driven(motion, map.as_ref(), params, Progress::new().whole())
@@ -360,7 +366,7 @@ fn driven(motion: &Motion, map: Option<&str>, params: &DriveParams) -> Result<Cr
 #[test]
 fn another_bodys_motion_moves_it_in_its_own_proportions() {
     let motion = foreign(12);
-    let out = driven(&motion, Some(MAP), &DriveParams::default()).expect("driven");
+    let out = driven(&motion, Some(MAP), &pointing()).expect("driven");
     out.validate().expect("sound");
     assert_eq!((out.model.animation.len(), out.model.fps), (12, 30.0));
     let lengths = |local: &[Transform]| -> Vec<f32> { local.iter().skip(1).map(|t| t.translation.length()).collect() };
@@ -393,9 +399,9 @@ fn maps_names_mirrors_and_mistakes() {
     let named = creature.matched(&motion, None).expect("by name");
     assert_eq!(named.limbs.keys().collect::<Vec<_>>(), ["body"]);
     assert_eq!(LimbMap::from_json(&named.to_json()).expect("as written"), named);
-    let resting = driven(&motion, None, &DriveParams::default()).expect("driven");
+    let resting = driven(&motion, None, &pointing()).expect("driven");
     assert!(resting.model.animation.iter().all(|local| local[5..] == resting.model.rest[5..]), "no track, no motion");
-    let mirrored = DriveParams { mirror: true, root_scale: Some(0.0), ..DriveParams::default() };
+    let mirrored = DriveParams { mirror: true, root_scale: Some(0.0), ..pointing() };
     let out = driven(&motion, None, &mirrored).expect("driven");
     let body = places(&out, &out.model.animation[3], "body");
     assert!(body[0].distance(vec3(60.0, 100.0, 0.0)) < 1e-3 && body[4].x < -40.0, "{body:?}");
@@ -406,7 +412,7 @@ fn maps_names_mirrors_and_mistakes() {
         (r#"{"limbs": {"leg": {"tracks": []}}}"#, "two points"),
     ];
     for (map, expected) in cases {
-        let message = driven(&motion, Some(map), &DriveParams::default()).expect_err(expected).to_string();
+        let message = driven(&motion, Some(map), &pointing()).expect_err(expected).to_string();
         assert!(message.contains(expected), "{message} should say {expected}");
     }
     assert!(LimbMap::from_json("[]").is_err() && LimbMap::from_json(r#"{"limbs": {}}"#).is_err());
@@ -421,12 +427,55 @@ fn maps_names_mirrors_and_mistakes() {
     assert!(LimbMap::from_json(r#"{"format": "x", "limbs": {"a": {"tracks": ["b"]}}}"#).is_err());
     let mut huge = motion.clone();
     huge.tracks[0].frames[1].points[1] = Vec2::splat(f32::MAX);
-    let message = driven(&huge, None, &DriveParams::default()).expect_err("huge").to_string();
+    let message = driven(&huge, None, &pointing()).expect_err("huge").to_string();
     assert!(message.contains("bounds"), "{message}");
-    let bad = DriveParams { root_scale: Some(f32::NAN), ..DriveParams::default() };
+    let bad = DriveParams { root_scale: Some(f32::NAN), ..pointing() };
     assert!(driven(&motion, None, &bad).is_err());
     let progress = Progress::new();
     progress.cancel();
-    let cancelled = creature.driven(&motion, None, &DriveParams::default(), progress.whole());
+    let cancelled = creature.driven(&motion, None, &pointing(), progress.whole());
     assert!(matches!(cancelled, Err(Error::Cancelled)));
+}
+
+#[test]
+fn another_bodys_motion_turns_limbs_from_their_own_pose() {
+    let creature = creature();
+    // The same steps by a body that carries itself quite otherwise: twice as large, and all of it turned by half a right angle.
+    let turned = |points: &[Vec2]| -> Vec<Vec2> {
+        let turn = Vec2::from_angle(0.8);
+        points.iter().map(|p| turn.rotate(*p - vec2(120.0, 100.0)) * 2.0 + vec2(400.0, 400.0)).collect()
+    };
+    let swing = |f: usize| 0.4 * (f as f32 * 0.7).sin();
+    let mut motion = creature.motion();
+    (motion.size, motion.frames, motion.bones) = ((800, 800), 18, Vec::new());
+    for track in &mut motion.tracks {
+        let rest = track.frames[0].points.clone();
+        let hip = rest[0];
+        let frame = |f: usize| {
+            let angle = if track.name == "leg" { swing(f) } else { 0.0 };
+            let points: Vec<Vec2> = rest.iter().map(|p| hip + Vec2::from_angle(angle).rotate(*p - hip)).collect();
+            TrackFrame::certain(turned(&points))
+        };
+        track.frames = (0..18).map(frame).collect();
+    }
+    let out = driven(&motion, None, &DriveParams { root_scale: Some(0.0), ..DriveParams::default() }).expect("driven");
+    let way = |local: &[Transform], limb: &str| {
+        let at = places(&out, local, limb);
+        (at[at.len() - 1] - at[0]).truncate().to_angle()
+    };
+    let mean = (0..18).map(|f| way(&out.model.animation[f], "leg")).sum::<f32>() / 18.0;
+    assert!(
+        (mean - way(&creature.model.animation[0], "leg")).abs() < 0.05,
+        "{mean}: the leg swings about its own pose"
+    );
+    for f in 0..18 {
+        let local = &out.model.animation[f];
+        assert!((way(local, "body") - way(&creature.model.animation[0], "body")).abs() < 0.02, "the body stays level");
+        let about = (0..18).map(swing).sum::<f32>() / 18.0;
+        // World y goes up where the picture's goes down.
+        assert!((way(local, "leg") - mean + swing(f) - about).abs() < 0.06, "frame {f} swings as theirs does");
+    }
+    let pointing = driven(&motion, None, &pointing()).expect("driven");
+    let at = places(&pointing, &pointing.model.animation[0], "body");
+    assert!((at[4] - at[0]).truncate().to_angle() < -0.7, "pointing, it tips over");
 }

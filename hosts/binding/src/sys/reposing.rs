@@ -12,6 +12,11 @@ fn description(options: &ReposeOptions<'_>) -> mry_repose_desc {
     };
     (desc.stretch, desc.root_scale) = (options.stretch, options.root_scale.unwrap_or(0.0));
     desc.in_place = u32::from(options.root_scale == Some(0.0));
+    desc.turns = match options.absolute {
+        None => MRY_TURNS_DEFAULT,
+        Some(false) => MRY_TURNS_RELATIVE,
+        Some(true) => MRY_TURNS_ABSOLUTE,
+    };
     (desc.mirror, desc.frames) = (u32::from(options.mirror), options.frames);
     desc
 }

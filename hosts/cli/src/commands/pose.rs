@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 
 use super::character::{parsed, read_motion};
 use super::{Session, check_file, utf8};
-use crate::args::{self, Lengths};
+use crate::args::{self, Angles, Lengths};
 use crate::failure::{BAD_INPUT, BAD_USE, FAILED, Failure};
 use crate::say;
 
@@ -20,6 +20,7 @@ pub(crate) fn pose(session: &Session, args: &args::Pose) -> Result<(), Failure> 
         stretch: args.stretch,
         root_scale: args.root_scale,
         mirror: args.mirror,
+        absolute: args.angles.map(|angles| angles == Angles::Absolute),
         frames: args.frames.unwrap_or(0),
         map: &map,
     };
