@@ -89,7 +89,7 @@
 #define MRY_MESH_VIEW_INIT { (uint32_t)sizeof(mry_mesh_view), 0, 0, 0, NULL, NULL, NULL, NULL, { 0 } }
 #define MRY_PRINT_DESC_INIT { (uint32_t)sizeof(mry_print_desc), 0, { 0 }, 0, 0.0f, 0.0f, 0.0f, 0, 0, 0, { NULL, 0 } }
 #define MRY_SOLID_INFO_INIT { (uint32_t)sizeof(mry_solid_info), 0, 0, 0, 0.0, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0, 0, 0 }
-#define MRY_REPOSE_DESC_INIT { (uint32_t)sizeof(mry_repose_desc), 0, 0.0f, 0.0f, 0.0f, 0.0f, 0, 0, 0 }
+#define MRY_REPOSE_DESC_INIT { (uint32_t)sizeof(mry_repose_desc), 0, 0.0f, 0.0f, 0.0f, 0.0f, 0, 0, 0, 0, 0 }
 #define MRY_DEFORM_DESC_INIT { (uint32_t)sizeof(mry_deform_desc), 0, NULL, 0, NULL, 0, NULL, 0, { NULL, 0 } }
 #define MRY_CHARACTER_DESC_INIT { (uint32_t)sizeof(mry_character_desc), 0, 0.0f, 0, { NULL, 0 }, { NULL, 0 }, { NULL, 0 }, { NULL, 0 }, NULL }
 #define MRY_CHARACTER_INFO_INIT { (uint32_t)sizeof(mry_character_info), 0, 0, 0, 0, 0, 0, 0 }
@@ -213,6 +213,18 @@
 
 /** Lengths of a creature's bones: as the strokes have them, within the stretch. */
 #define MRY_LENGTHS_DRAWN 2
+
+/**
+ * A motion turns limbs as suits it: MRY_TURNS_ABSOLUTE with a body of the same lengths in a picture of the same size, else
+ * MRY_TURNS_RELATIVE.
+ */
+#define MRY_TURNS_DEFAULT 0
+
+/** Limbs turn as the motion's do, each from its own mean pose; a motion that faces the other way is mirrored. */
+#define MRY_TURNS_RELATIVE 1
+
+/** Limbs point where the motion's do. */
+#define MRY_TURNS_ABSOLUTE 2
 
 /** Kind of a handle: a point of the mesh, at a; b is not looked at. */
 #define MRY_HANDLE_POINT 1
@@ -1106,6 +1118,10 @@ typedef struct mry_repose_desc {
   uint32_t mirror;
   /** For key poses: how many frames to make; 0 for up to the last key. */
   uint64_t frames;
+  /** For motions: MRY_TURNS_DEFAULT, ... */
+  int32_t turns;
+  /** Zero. */
+  uint32_t reserved0;
 } mry_repose_desc;
 
 /** A limb as drawn for a pose. */
@@ -1961,7 +1977,7 @@ typedef struct mry_render_file_desc {
   uint32_t alone;
   /**
    * With a crowd: the clip to put it back into, seen as it was filmed; {0} for none. Size, camera, background, shadow,
-   * frame, still, frame_count, fps and turns are not looked at.
+   * frame_count, fps and turns are not looked at.
    */
   mry_clip clip;
   /** With a clip: masks of who was filmed, who hides what is behind it (z below 0); {0} for none. */
