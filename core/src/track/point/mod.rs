@@ -20,8 +20,8 @@ mod looks;
 mod params;
 mod path;
 mod report;
+mod skeleton;
 mod stretch;
-mod tree;
 
 pub use params::PointParams;
 pub use report::{PointConfidence, PointCorrection, PointReport};

@@ -70,6 +70,12 @@ fn bounded(square: f32, reach: f32) -> f32 {
     square / (square + reach * reach)
 }
 
+/// Half where the square of `reach` is `square`; flat near 0, because a guide is no exact place.
+#[inline]
+fn off_guide(square: f32, reach: f32) -> f32 {
+    bounded(square * square, reach * reach)
+}
+
 impl<'a> Graph<'a> {
     /// Over the frames from `start` on.
     pub(super) fn new(
@@ -93,9 +99,9 @@ impl<'a> Graph<'a> {
                         ground: footage.grounded(c.at, f),
                         angle: c.angle,
                         own: params.looks * bounded(c.unlike * c.unlike, params.looks_reach)
-                            + guide
-                                .get(i)
-                                .map_or(0.0, |g| params.guide * g.trust * bounded(g.at.distance_squared(c.at), reach)),
+                            + guide.get(i).map_or(0.0, |g| {
+                                params.guide * g.trust * off_guide(g.at.distance_squared(c.at), reach)
+                            }),
                         next,
                         last,
                     }
