@@ -1,15 +1,16 @@
 //! Measures the point tracker on clips with ground truth.
 //!
-//! `point_eval FOLDER... [motions=FOLDER] [within=PIXELS] [corrections=MOST] [every=FRAMES] [PARAMETER=VALUE...] [/ PARAMETER=VALUE...]`: a folder has `frames/`, `rgba/` or
-//! `clip.mp4`, and either `points.json` with `points-truth.json` or `truth.json`
-//! (`{"frames": {"0": {"point": [x, y]}}}`), or only `truth.json` with the axes of limbs, of which twelve points are taken
-//! that a person might mark. `masks/` has the creature in every frame.
+//! `point_eval FOLDER... [motions=FOLDER] [within=PIXELS] [corrections=MOST] [every=FRAMES] [PARAMETER=VALUE...]
+//! [/ PARAMETER=VALUE...]`: a folder has `frames/`, `rgba/` or `clip.mp4`, and either `points.json` with
+//! `points-truth.json` or `truth.json` (`{"frames": {"0": {"point": [x, y]}}}`), or only `truth.json` with the axes of
+//! limbs, of which twelve points are taken that a person might mark. `masks/` has the creature in every frame.
 //!
-//! Prints, with one key a point (or, with `every`, a key on every so manieth frame as well): the shares of places right within 0.2 and 0.05 of the square root of the mask's area, the
-//! median error, swaps a thousand places (a place is swapped where it is within 8 pixels of another point's, and not of
-//! its own), and the share of places whose error is above the limit though their confidence is above a half. Then, as the
-//! worst place of all is corrected until every place is within 8 pixels: places a correction, and the same of the swaps
-//! with half of the corrections. Last, seconds of reading, of the first solve and of the slowest and the mean later one.
+//! Prints, with one key a point (with `every`, one on every so manieth frame as well): the shares of places right within
+//! 0.2 and 0.05 of the square root of the mask's area, the median error, swaps a thousand places (a place is swapped where
+//! it is within 8 pixels of another point's, and not of its own), and the share of places whose error is above the limit
+//! though their confidence is above a half. Then, as the worst place of all is corrected until every place is within 8
+//! pixels: places a correction, and the same of the swaps with half of the corrections. Last, seconds of reading, of the
+//! first solve and of the slowest and the mean later one.
 #![expect(clippy::print_stdout, reason = "an example speaks to a person")]
 
 use std::collections::BTreeMap;

@@ -81,7 +81,7 @@ impl Default for PointParams {
             alike: 0.3,
             together: 5.0,
             shared: 0.5,
-            guide: 2.0,
+            guide: 1.0,
             guide_reach: 35.0,
             rounds: 2,
         }
