@@ -64,6 +64,9 @@ fn set(p: &mut PointParams, key: &str, v: f32) -> Result<(), AnyError> {
         "shared" => &mut p.shared,
         "guide" => &mut p.guide,
         "guide_reach" => &mut p.guide_reach,
+        "dear" => &mut p.dear,
+        "smooth" => &mut p.smooth,
+        "leap" => &mut p.leap,
         "hidden" => &mut p.hidden,
         _ => return Err(format!("there is no parameter {key}").into()),
     };

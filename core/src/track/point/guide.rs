@@ -4,7 +4,9 @@
 //! points that alone would be lost; it knows their places less exactly. So its places are candidates, and leaving them by
 //! far costs, by little next to nothing.
 //!
-//! All of it comes from the points' first keys, so that a correction moves no guide. Known limits: only points first
+//! All of it comes from the points' first keys. A correction bends its point's guide towards it, as far as the keys beside
+//! it, and no other: on rendered animals the errors of two points of a limb have little to do with each other. Where a
+//! point's own way is smooth and the guide would tear it away dearly, the guide is left out. Known limits: only points first
 //! marked on the frame on which most are; fewer than three say nothing of each other.
 
 use glam::Vec2;
@@ -16,7 +18,6 @@ use crate::error::Result;
 use crate::geometry::polyline;
 use crate::job::Stage;
 use crate::rig::{KeyFrame, Limb, Rig, Side, Stroke};
-use crate::track::Tracker;
 use crate::track::limb::LimbTracker;
 
 /// Fewer points have no guide.
@@ -74,22 +75,23 @@ pub(super) fn guides(
         limbs: (0..limbs.len()).map(limb).collect(),
         keyframes: vec![KeyFrame { frame, strokes, ..KeyFrame::default() }],
     };
-    let motion = LimbTracker::default().track(&footage.small, &rig, stage)?;
+    let tracks = LimbTracker::default().trajectories(&footage.limbs, &footage.small, &rig, stage)?;
     let guide = |i: usize| {
         let on = |(l, b): (usize, &Branch)| Some((l, b.points.iter().find(|p| p.0 == i)?.1));
         let (limb, vertex) = limbs.iter().enumerate().find_map(on)?;
         let line = &limbs[limb].line;
         let share = polyline::length(&line[..=vertex]) / polyline::length(line);
-        let places = motion.tracks[limb].frames.iter().enumerate().map(|(f, pose)| {
+        let poses = tracks[limb].poses.iter().zip(&tracks[limb].confidence);
+        let places = poses.enumerate().map(|(f, (pose, confidence))| {
             // The key frame holds the stroke as it was drawn, whose vertices lie elsewhere; there the point is known.
             if f == frame {
                 return Guide { at: at[i], trust: 0.0 };
             }
-            let along = share * (pose.points.len() - 1) as f32;
-            let before = (along as usize).min(pose.points.len().saturating_sub(2));
-            let after = (before + 1).min(pose.points.len() - 1);
-            let place = pose.points[before].lerp(pose.points[after], along - before as f32);
-            Guide { at: place / scale, trust: pose.confidence[before].sqrt() }
+            let along = share * (pose.len() - 1) as f32;
+            let before = (along as usize).min(pose.len().saturating_sub(2));
+            let after = (before + 1).min(pose.len() - 1);
+            let place = pose[before].lerp(pose[after], along - before as f32);
+            Guide { at: place / scale, trust: confidence[before].sqrt() }
         });
         Some((keys[i], places.collect()))
     };
