@@ -96,7 +96,7 @@ impl Footage {
                 Ok(((Levels::new(&rgb, alpha.as_ref()), small), seen))
             })
             .collect::<Result<_>>()?;
-        let (pictures, seen): (Vec<(Levels, RgbImage)>, Vec<(LabImage, Pyramid)>) = frames.into_iter().unzip();
+        let (pictures, seen): (Vec<_>, Vec<_>) = frames.into_iter().unzip();
         let (pictures, small): (Vec<Levels>, Vec<RgbImage>) = pictures.into_iter().unzip();
         let (lab, pyramids): (Vec<LabImage>, Vec<Pyramid>) = seen.into_iter().unzip();
         let pairs = pyramids.len().saturating_sub(1);
