@@ -4,7 +4,7 @@
 //! bound to the bones ([`weights`]) and fitted to the silhouettes of all frames: single frames by moving the limbs
 //! ([`posing`]), all together by moving the surface ([`silhouette`]). It gets one atlas ([`atlas`]).
 //!
-//! Limit: between legs that part only below the body a small handle may stay; the surface is closed all the same.
+//! Limit: limbs that run through each other in the rest frame are cut apart, which may be seen when they part.
 
 mod apart;
 mod atlas;

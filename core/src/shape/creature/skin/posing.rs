@@ -14,8 +14,10 @@ use super::silhouette::{Fit, Wish};
 use super::weights::Binding;
 
 /// What a bone's own staying and its staying with its parent count against one vertex' wish.
-const STAY: f64 = 0.6;
-const TOGETHER: f64 = 6.0;
+const STAY: f64 = 0.1;
+const TOGETHER: f64 = 1.5;
+/// What a move takes from each of the two frames beside.
+const EVEN: f32 = 0.2;
 
 /// The move of each bone in each frame, clip pixels.
 pub(super) fn moves(wishes: &[Vec<Wish>], fit: &Fit<'_>, bones: &Bones) -> Vec<Vec<Vec2>> {
@@ -31,7 +33,7 @@ pub(super) fn moves(wishes: &[Vec<Wish>], fit: &Fit<'_>, bones: &Bones) -> Vec<V
                 return own[f].clone();
             }
             let (before, after) = (&own[f.saturating_sub(1)], &own[(f + 1).min(own.len() - 1)]);
-            (0..own[f].len()).map(|b| 0.25 * before[b] + 0.5 * own[f][b] + 0.25 * after[b]).collect()
+            (0..own[f].len()).map(|b| EVEN * (before[b] + after[b]) + (1.0 - 2.0 * EVEN) * own[f][b]).collect()
         })
         .collect()
 }
@@ -78,17 +80,16 @@ fn solve(wishes: &[Wish], fit: &Fit<'_>, bones: &Bones) -> Vec<Vec2> {
             }
         }
     }
-    let (stay, together) = (STAY, TOGETHER);
     for (b, bone) in bones.bones.iter().enumerate() {
         for k in 0..2 {
             let i = 2 * b + k;
-            a[i * n + i] += stay;
+            a[i * n + i] += STAY;
             if let Some(p) = bone.parent {
                 let j = 2 * p + k;
-                a[i * n + i] += together;
-                a[j * n + j] += together;
-                a[i * n + j] -= together;
-                a[j * n + i] -= together;
+                a[i * n + i] += TOGETHER;
+                a[j * n + j] += TOGETHER;
+                a[i * n + j] -= TOGETHER;
+                a[j * n + i] -= TOGETHER;
             }
         }
     }
