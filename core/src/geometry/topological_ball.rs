@@ -166,7 +166,8 @@ fn without_hollows(mut inside: Vec<bool>, samples: &Samples, field: &mut Field3,
 
 /// The ball, and all samples that were looked at for it.
 fn grow(inside: &[bool], seed: usize, rank: &[f32], samples: &Samples) -> (Vec<bool>, Vec<bool>) {
-    let (mut ball, mut waits, mut met) = (vec![false; inside.len()], vec![false; inside.len()], vec![false; inside.len()]);
+    let (mut ball, mut waits, mut met) =
+        (vec![false; inside.len()], vec![false; inside.len()], vec![false; inside.len()]);
     let mut queue = BinaryHeap::new();
     let key = |i: usize| Reverse((Ordered(rank[i]), i));
     queue.push(key(seed));

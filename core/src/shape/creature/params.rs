@@ -107,7 +107,7 @@ impl Default for CreatureParams {
             foreshortened: 0.5,
             settling_rounds: 3,
             settling_stiffness: 25.0,
-            surface: Surface::Tubes,
+            surface: Surface::Skin,
             fill_silhouette: true,
             patch_step: 1.5,
             skin_triangles: 24_000,
