@@ -253,12 +253,12 @@ mod tests {
 
     #[test]
     fn a_hollow_is_filled_a_loose_bit_dropped_and_a_ball_left_alone() {
-        let shell = |p: Vec3| ((p.length() - 8.0).abs() - 2.0).min(p.distance(Vec3::splat(12.0)) - 3.0);
+        let shell = |p: Vec3| ((p.length() - 8.0).abs() - 2.0).min(p.distance(Vec3::splat(12.5)) - 1.5);
         let mut field = sampled(40, shell);
         let rank = field.values.clone();
         assert_eq!(keep_ball(&mut field, 0.0, &rank), 0);
         assert_sphere(&field);
-        assert!(field.sample(Vec3::ZERO) < 0.0 && field.sample(Vec3::splat(12.0)) > 0.0);
+        assert!(field.sample(Vec3::ZERO) < 0.0 && field.sample(Vec3::splat(12.5)) > 0.0);
         let mut ball = sampled(30, |p| p.length() - 9.3);
         let (rank, before) = (ball.values.clone(), ball.clone());
         assert_eq!(keep_ball(&mut ball, 0.0, &rank), 0);

@@ -54,6 +54,8 @@ pub(super) struct Fit<'a> {
 /// What a vertex on the outline wants in one frame.
 pub(super) struct Wish {
     pub vertex: u32,
+    /// Where it is in the image.
+    pub at: Vec2,
     /// The outline's normal in the image.
     pub normal: Vec2,
     /// How far the outline moves along it for a unit of displacement of the vertex.
@@ -90,14 +92,9 @@ impl Fit<'_> {
                 })
                 .collect::<Result<_>>()?;
             if round + 1 < ROUNDS {
-                let moves = super::posing::moves(&wishes, self, bones);
+                let moves = super::posing::moves(&mut wishes, self, bones);
                 super::posing::apply(&moves, limbs, bones);
                 *bones = super::super::bones::lay(limbs, order, self.masks.len(), max_bones);
-                for (wishes, moves) in wishes.iter_mut().zip(&moves) {
-                    for wish in wishes {
-                        wish.distance -= wish.normal.dot(super::posing::of_vertex(moves, self.binding, wish.vertex));
-                    }
-                }
             }
             let moved = self.displacements(&wishes);
             for (v, p) in places.iter_mut().enumerate() {
@@ -184,7 +181,7 @@ impl Fit<'_> {
         let mut push = |edge: &Edge, normal: Vec2, distance: f32, weight: f32| {
             let gain = edge.moved.dot(normal);
             if gain > LEAST_GAIN {
-                out.push(Wish { vertex: edge.vertex, normal, gain, distance, weight });
+                out.push(Wish { vertex: edge.vertex, at: edge.at, normal, gain, distance, weight });
             }
         };
         for edge in &outline {

@@ -83,7 +83,7 @@ fn limbs_that_touch_float_or_cross_make_neither_handles_nor_pieces() {
     assert_sphere(&with(&|s| s[2].iter_mut().for_each(|p| *p += vec2(20.0, 45.0))));
     // A leg that comes back to the body.
     assert_sphere(&with(&|s| {
-        s[1] = vec![vec2(80.0, 110.0), vec2(100.0, 205.0), vec2(190.0, 205.0), vec2(215.0, 120.0)]
+        s[1] = vec![vec2(80.0, 110.0), vec2(100.0, 205.0), vec2(190.0, 205.0), vec2(215.0, 120.0)];
     }));
     // Two legs in one place.
     assert_sphere(&with(&|s| s[2] = s[1].clone()));
