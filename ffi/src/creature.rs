@@ -1,4 +1,4 @@
-//! Creatures. A creature is a textured mesh in parts, one a limb, on bones that move over the clip's frames: linear
+//! Creatures. A creature is a textured mesh, one skin or a tube a limb, on bones that move over the clip's frames: linear
 //! blend skinning as glTF 2.0 has it. World coordinates: right-handed, x right, y up, z toward the viewer, 1 unit =
 //! 1 pixel of the clip, origin at the clip's bottom left. Creatures do not change. They come from jobs, or from files
 //! (mry_creature_open).

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use marey::pipeline::{self, PipelineOptions};
-use marey::shape::creature::CreatureParams;
+use marey::shape::creature::{CreatureParams, Surface};
 
 use crate::border::{self, Out, Versioned};
 use crate::clip::mry_clip;
@@ -20,6 +20,11 @@ use crate::running::{Part, Product, Work};
 use crate::segmenting::folder;
 use crate::status::{mry_status, mry_status_code as Code};
 use crate::string::mry_str;
+
+/// One connected skin over all limbs. See mry_creature_desc.
+pub const MRY_SURFACE_SKIN: u32 = 1;
+/// A closed tube around each limb, with a texture each.
+pub const MRY_SURFACE_TUBES: u32 = 2;
 
 /// What to make a creature of. Start from MRY_CREATURE_DESC_INIT; clip and rig must be set.
 #[repr(C)]
@@ -43,8 +48,8 @@ pub struct mry_creature_desc {
     pub depths: mry_str,
     /// How far limbs of a pair stand apart, times what is usual, up to 10; 0 for 1.
     pub spread: f32,
-    /// Zero.
-    pub reserved0: u32,
+    /// What covers the limbs: MRY_SURFACE_SKIN or MRY_SURFACE_TUBES; 0 for what is usual, the skin.
+    pub surface: u32,
 }
 
 // SAFETY: repr(C), starts with its u32 size; integers, and strings that the host vouches for.
@@ -62,8 +67,13 @@ impl Call<'_> {
         // SAFETY: as above.
         let (settings, folder) = unsafe { (settings(desc.tracker, desc.segmenter)?, folder(desc.folder)?) };
         let files = folder_options(desc.write_obj, 0.0)?;
-        border::reserved(desc.reserved0)?;
         let mut shape = CreatureParams::default();
+        shape.surface = match desc.surface {
+            0 => shape.surface,
+            MRY_SURFACE_SKIN => Surface::Skin,
+            MRY_SURFACE_TUBES => Surface::Tubes,
+            other => return Err(Failure::argument("desc.surface", format!("desc.surface is {other}; there is none"))),
+        };
         if desc.depths.len != 0 {
             // SAFETY: as above.
             let depths = unsafe { desc.depths.text("desc.depths")? };

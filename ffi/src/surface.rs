@@ -1,5 +1,5 @@
-//! Surfaces. A creature's parts, one a limb: vertices, triangles, the bones that hold them, and a texture. Parts and
-//! vertices count from 0.
+//! Surfaces. A creature's parts, one skin or a tube a limb: vertices, triangles, the bones that hold them, and a texture.
+//! Parts and vertices count from 0.
 
 use std::ffi::c_char;
 

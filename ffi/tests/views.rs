@@ -85,6 +85,26 @@ fn a_mapped_surface_is_what_is_read_in_every_pose() {
     }
 }
 
+#[test]
+fn a_creature_has_the_surface_that_is_asked_for() {
+    let f = fixture();
+    let (c, mut creature, mut err) = (f.context, mry_creature::default(), error());
+    let mut info = unsafe { std::mem::zeroed::<mry_creature_info>() };
+    unsafe {
+        mry_creature_info_init(&mut info, size_of::<mry_creature_info>() as u32);
+        for (surface, one) in [(0, true), (MRY_SURFACE_SKIN, true), (MRY_SURFACE_TUBES, false)] {
+            let desc = mry_creature_desc { surface, ..f.creature_desc() };
+            assert_eq!(mry_run_creature(c, &desc, &mut creature, &mut err), OK, "{}", text(&err.message));
+            assert_eq!(mry_creature_get_info(c, creature, &mut info, &mut err), OK);
+            assert_eq!(info.part_count, if one { 1 } else { info.limb_count });
+            mry_creature_destroy(c, creature);
+        }
+        let desc = mry_creature_desc { surface: 3, ..f.creature_desc() };
+        assert_eq!(mry_run_creature(c, &desc, &mut creature, &mut err), code(MRY_E_ARGUMENT));
+        assert_eq!(text(&err.param), "desc.surface");
+    }
+}
+
 fn limited(change: impl FnOnce(&mut mry_limits)) -> Fixture {
     let mut limits = unsafe { std::mem::zeroed::<mry_limits>() };
     unsafe { mry_limits_init(&mut limits, size_of::<mry_limits>() as u32) };

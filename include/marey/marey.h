@@ -316,6 +316,12 @@
 /** The drawing faces the other way. */
 #define MRY_FACES_THE_OTHER_WAY 2
 
+/** One connected skin over all limbs. See mry_creature_desc. */
+#define MRY_SURFACE_SKIN 1
+
+/** A closed tube around each limb, with a texture each. */
+#define MRY_SURFACE_TUBES 2
+
 /** Export: one glTF 2.0 binary, as mry_creature_write_glb. */
 #define MRY_EXPORT_GLB 1
 
@@ -1774,8 +1780,8 @@ typedef struct mry_creature_desc {
   mry_str depths;
   /** How far limbs of a pair stand apart, times what is usual, up to 10; 0 for 1. */
   float spread;
-  /** Zero. */
-  uint32_t reserved0;
+  /** What covers the limbs: MRY_SURFACE_SKIN or MRY_SURFACE_TUBES; 0 for what is usual, the skin. */
+  uint32_t surface;
 } mry_creature_desc;
 
 /** What to export. Start from MRY_EXPORT_DESC_INIT; what, creature and path must be set. */
@@ -3969,7 +3975,7 @@ mry_status mry_masks_get_report(mry_context *context,
 /**
  * @defgroup creature Creatures
  *
- * Creatures. A creature is a textured mesh in parts, one a limb, on bones that move over the clip's frames: linear
+ * Creatures. A creature is a textured mesh, one skin or a tube a limb, on bones that move over the clip's frames: linear
  * blend skinning as glTF 2.0 has it. World coordinates: right-handed, x right, y up, z toward the viewer, 1 unit =
  * 1 pixel of the clip, origin at the clip's bottom left. Creatures do not change. They come from jobs, or from files
  * (mry_creature_open).
@@ -4173,8 +4179,8 @@ mry_status mry_creature_read_pose(mry_context *context,
 /**
  * @defgroup surface Surfaces
  *
- * Surfaces. A creature's parts, one a limb: vertices, triangles, the bones that hold them, and a texture. Parts and
- * vertices count from 0.
+ * Surfaces. A creature's parts, one skin or a tube a limb: vertices, triangles, the bones that hold them, and a texture.
+ * Parts and vertices count from 0.
  * @{
  */
 

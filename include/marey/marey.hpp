@@ -1820,6 +1820,8 @@ struct methods {
   std::string_view tracker;
   /** The segmenter: "layered", "paper". */
   std::string_view segmenter;
+  /** What covers a creature's limbs: MRY_SURFACE_SKIN, MRY_SURFACE_TUBES; 0 for what is usual. */
+  std::uint32_t surface = 0;
 };
 
 /** How to create a context. */
@@ -2255,6 +2257,7 @@ private:
     desc.rig = rig.id();
     desc.tracker = detail::str(by.tracker);
     desc.segmenter = detail::str(by.segmenter);
+    desc.surface = by.surface;
     return desc;
   }
 

@@ -13,6 +13,7 @@ pub mod polygon;
 pub mod polyline;
 mod shape_context;
 pub mod signed_distance;
+mod topological_ball;
 mod tri_mesh;
 pub mod triangle_tree;
 
@@ -20,4 +21,5 @@ pub use decimate::decimate;
 pub use field3::Field3;
 pub use iso_surface::iso_surface;
 pub use plane_mesh::PlaneMesh;
+pub use topological_ball::keep_ball;
 pub use tri_mesh::TriMesh;

@@ -147,7 +147,7 @@ macro_rules! helper {
 }
 
 /// All parameters, in the order in which they are shown.
-pub static PARAMETERS: [Parameter; 33] = [
+pub static PARAMETERS: [Parameter; 34] = [
     helper!("track.plugin", tracker, "The plugin that follows limbs, by its id; empty for the built-in tracker."),
     choice!(track.method, "space-time" => limb::Method::SpaceTime, "paper" => limb::Method::Paper;
         "How limbs are followed between key frames."),
@@ -181,7 +181,8 @@ pub static PARAMETERS: [Parameter; 33] = [
         "What covers the limbs: one connected skin, or a tube around each."),
     switch!(creature.fill_silhouette, "Cover what limbs miss of the silhouette, such as ears and hooves."),
     number!(Number(0.5, 20.0), creature.patch_step, "Size of the triangles that do, in pixels of a 512-pixel clip."),
-    number!(Whole(6.0, 128.0), creature.around, "Vertices around a limb."),
+    number!(Whole(500.0, 200_000.0), creature.skin_triangles, "About how many triangles a skin has."),
+    number!(Whole(6.0, 128.0), creature.around, "Vertices around the tube of a limb."),
     number!(Whole(1.0, 64.0), creature.max_bones, "Largest number of bones of a limb."),
     number!(Whole(64.0, 8192.0), creature.max_texture, "Longest side of a texture, in pixels."),
     number!(Whole(1.0, 1024.0), creature.texture_views, "Most frames that give colours; 1 takes the key frame alone."),

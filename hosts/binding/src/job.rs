@@ -26,6 +26,18 @@ pub struct SegmentOptions<'a> {
     pub folder: &'a str,
 }
 
+/// What covers a creature's limbs.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum CreatureSurface {
+    /// What is usual: the skin.
+    #[default]
+    Usual,
+    /// One connected skin over all limbs.
+    Skin,
+    /// A closed tube around each limb, with a texture each.
+    Tubes,
+}
+
 /// How to make a creature. Empty strings are the best there is.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct CreatureOptions<'a> {
@@ -41,6 +53,8 @@ pub struct CreatureOptions<'a> {
     pub depths: &'a str,
     /// How far limbs of a pair stand apart, times what is usual; 0 for 1.
     pub spread: f32,
+    /// What covers the limbs.
+    pub surface: CreatureSurface,
 }
 
 /// Long work. Dropped before its end it is cancelled.

@@ -53,7 +53,7 @@ pub use crowd::{Crowd, CrowdInfo, Instance, Play};
 pub use deformation::{Deformation, Handle};
 pub use drawing::{Drawing, DrawingInfo, DrawingStroke, PenSample};
 pub use error::{Error, Result, Status};
-pub use job::{CreatureOptions, Job, JobState, SegmentOptions, TrackOptions};
+pub use job::{CreatureOptions, CreatureSurface, Job, JobState, SegmentOptions, TrackOptions};
 pub use joints::Joints;
 pub use masks::Masks;
 pub use motion::{Correction, Motion, MotionInfo, TrackFrame};

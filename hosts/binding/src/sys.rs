@@ -9,7 +9,7 @@ use std::ptr;
 use marey_ffi::*;
 
 use crate::error::{Error, Result};
-use crate::job::CreatureOptions;
+use crate::job::{CreatureOptions, CreatureSurface};
 
 /// A live context. Destroyed when dropped.
 #[derive(Debug)]
@@ -306,6 +306,11 @@ pub(crate) fn start_creature(
     (desc.clip, desc.rig, desc.write_obj) = (clip, rig, u32::from(options.write_obj));
     (desc.tracker, desc.segmenter) = (str(options.tracker), str(options.segmenter));
     (desc.folder, desc.depths, desc.spread) = (str(options.folder), str(options.depths), options.spread);
+    desc.surface = match options.surface {
+        CreatureSurface::Usual => 0,
+        CreatureSurface::Skin => MRY_SURFACE_SKIN,
+        CreatureSurface::Tubes => MRY_SURFACE_TUBES,
+    };
     let mut job = mry_job::default();
     call!(mry_job_start_creature(handle, &desc, &mut job))?;
     Ok(job)

@@ -292,6 +292,18 @@ pub(crate) struct Creature {
     /// How far limbs of a pair stand apart, times what is usual [default: 1]
     #[arg(long, value_name = "F", default_value_t = 0.0, hide_default_value = true)]
     pub(crate) spread: f32,
+    /// What covers the limbs
+    #[arg(long, value_enum, default_value = "skin")]
+    pub(crate) surface: Surface,
+}
+
+/// What covers a creature's limbs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub(crate) enum Surface {
+    /// One connected skin over all limbs
+    Skin,
+    /// A closed tube around each limb, with a texture each
+    Tubes,
 }
 
 /// What of a creature is shown.

@@ -7,8 +7,9 @@ use glam::{Mat3, Quat, Vec3};
 
 use crate::shape::{Bone, Transform};
 
-/// Share of the curve, before and after a bone, that its direction is measured over.
-const REACH: f32 = 0.06;
+/// How far before and after a bone its direction is measured, as a share of the way to the next: what a curve does between
+/// bones must not turn them.
+const REACH: f32 = 0.8;
 
 /// A bone's place and turn in world coordinates.
 pub(super) type Placed = (Vec3, Quat);
@@ -17,10 +18,11 @@ pub(super) type Placed = (Vec3, Quat);
 pub(super) fn along(curve: &[Vec3], bones: usize) -> Vec<Placed> {
     let span = (curve.len() - 1) as f32;
     let place = |at: f32| point(curve, at.clamp(0.0, span));
+    let reach = REACH * span / (bones - 1).max(1) as f32;
     (0..bones)
         .map(|k| {
             let at = span * k as f32 / (bones - 1).max(1) as f32;
-            (place(at), frame_along(place(at + REACH * span) - place(at - REACH * span)))
+            (place(at), frame_along(place(at + reach) - place(at - reach)))
         })
         .collect()
 }

@@ -188,6 +188,11 @@ impl Lattice {
         let last = vec2(self.inside.width() as f32 - 1.0, self.inside.height() as f32 - 1.0);
         (self.place(0.0, 0.0), self.place(last.x, last.y))
     }
+
+    /// The area that it covers, in square clip pixels.
+    pub(super) fn area(&self) -> f32 {
+        self.inside.data().iter().filter(|share| **share > 0.5).count() as f32 * self.step * self.step
+    }
 }
 
 fn sheet(

@@ -191,7 +191,7 @@ pub fn reconstruct(
                 masks,
                 image: &picture.rgb,
                 sheets: &sheets,
-                edge: 3.0 * scale,
+                triangles: params.skin_triangles,
             };
             vec![skin::skin(&mut limbs, &mut bones, &source, stage.part(0.62, 0.7))?]
         }

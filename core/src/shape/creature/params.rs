@@ -79,7 +79,9 @@ pub struct CreatureParams {
     pub fill_silhouette: bool,
     /// Size of the patches' triangles, in pixels of a 512-pixel clip.
     pub patch_step: f32,
-    /// Vertices around a limb.
+    /// About how many triangles a skin has; a creature of few pixels gets fewer.
+    pub skin_triangles: usize,
+    /// Vertices around a limb's tube.
     pub around: usize,
     /// Largest number of bones of a limb.
     pub max_bones: usize,
@@ -105,9 +107,10 @@ impl Default for CreatureParams {
             foreshortened: 0.5,
             settling_rounds: 3,
             settling_stiffness: 25.0,
-            surface: Surface::Tubes,
+            surface: Surface::Skin,
             fill_silhouette: true,
             patch_step: 1.5,
+            skin_triangles: 24_000,
             around: 20,
             max_bones: 8,
             max_texture: 1024,

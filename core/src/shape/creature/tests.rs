@@ -21,6 +21,11 @@ fn tubes() -> CreatureParams {
     CreatureParams { surface: super::Surface::Tubes, ..CreatureParams::default() }
 }
 
+/// A skin of few triangles with the colours of one frame, which is enough for its shape.
+pub(super) fn skin_params() -> CreatureParams {
+    CreatureParams { skin_triangles: 7000, texture_views: 1, ..CreatureParams::default() }
+}
+
 /// A body with two legs that swing against each other, in colours that tell places apart.
 pub(super) struct Scene {
     pub clip: Clip,
@@ -95,13 +100,11 @@ impl Scene {
 
     fn creature(&self) -> Creature {
         let progress = Progress::new();
-        let params = CreatureParams::default();
-        reconstruct(&self.clip, &self.rig, &self.motion, &self.masks, &params, progress.whole()).expect("a creature")
+        reconstruct(&self.clip, &self.rig, &self.motion, &self.masks, &tubes(), progress.whole()).expect("a creature")
     }
 
     pub(super) fn skin(&self) -> RiggedModel {
-        let params = CreatureParams { surface: super::Surface::Skin, ..CreatureParams::default() };
-        self.reconstruct(&params).expect("a creature")
+        self.reconstruct(&skin_params()).expect("a creature")
     }
 
     pub(super) fn model(&self) -> RiggedModel {

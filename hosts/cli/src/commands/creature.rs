@@ -1,9 +1,9 @@
 //! `marey creature CLIP --strokes S.json -o DIR`
 
-use marey_binding::CreatureOptions;
+use marey_binding::{CreatureOptions, CreatureSurface};
 
 use super::{Session, next_stroke, utf8};
-use crate::args::Creature;
+use crate::args::{Creature, Surface};
 use crate::failure::Failure;
 use crate::say;
 use crate::watch::watch;
@@ -18,6 +18,10 @@ pub(crate) fn creature(session: &Session, args: &Creature) -> Result<(), Failure
         write_obj: args.obj,
         depths: &args.depth.join(","),
         spread: args.spread,
+        surface: match args.surface {
+            Surface::Skin => CreatureSurface::Skin,
+            Surface::Tubes => CreatureSurface::Tubes,
+        },
     };
     let job = session.context.start_creature(&clip, &rig, &options)?;
     watch(&job, &session.interrupt)?;

@@ -181,13 +181,13 @@ fn charts(places: &[Vec3], triangles: &[[u32; 3]], limb: &[u16]) -> (Vec<u32>, V
     }
     let mut number = vec![u32::MAX; triangles.len()];
     loop {
-        let (mut labels, mut small) = (Vec::new(), None);
+        let mut charts: Vec<Vec<usize>> = Vec::new();
         number.fill(u32::MAX);
         for start in 0..triangles.len() {
             if number[start] != u32::MAX {
                 continue;
             }
-            let (mut members, mut at, next) = (vec![start], 0, labels.len() as u32);
+            let (mut members, mut at, next) = (vec![start], 0, charts.len() as u32);
             number[start] = next;
             while at < members.len() {
                 for &o in &across[members[at]] {
@@ -199,15 +199,22 @@ fn charts(places: &[Vec3], triangles: &[[u32; 3]], limb: &[u16]) -> (Vec<u32>, V
                 }
                 at += 1;
             }
-            if members.len() < SMALLEST && small.is_none() {
-                let outside = members.iter().flat_map(|&t| across[t]).find(|&o| label[o as usize] != label[start]);
-                small = outside.map(|o| (members, label[o as usize]));
-            }
-            labels.push(label[start]);
+            charts.push(members);
         }
-        // Every pass leaves one chart less.
-        let Some((members, other)) = small else { return (number, labels) };
-        members.into_iter().for_each(|t| label[t] = other);
+        // Who joins, and who is joined, waits for the next pass: every pass that changes something leaves fewer charts.
+        let mut done = vec![false; charts.len()];
+        for (c, members) in charts.iter().enumerate().filter(|(_, members)| members.len() < SMALLEST) {
+            let mut outside = members.iter().flat_map(|&t| across[t]).map(|o| o as usize);
+            let other = outside.find(|&o| number[o] as usize != c && !done[number[o] as usize]);
+            if let Some(other) = other.filter(|_| !done[c]) {
+                (done[c], done[number[other] as usize]) = (true, true);
+                let joined = label[other];
+                members.iter().for_each(|&t| label[t] = joined);
+            }
+        }
+        if !done.contains(&true) {
+            return (number, charts.iter().map(|members| label[members[0]]).collect());
+        }
     }
 }
 

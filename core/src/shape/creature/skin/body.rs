@@ -3,8 +3,9 @@
 //!
 //! Method: a generalized cylinder is a dense row of ellipsoids with the limb's cross-sections; its distance is that to
 //! the nearest one (a first-order estimate, exact on the surface). A limb is blended with what it hangs from by the
-//! polynomial smooth minimum (Quilez), from the joint to a little beyond where it leaves it; limbs that are not joined
-//! meet by the plain minimum.
+//! polynomial smooth minimum (Quilez), from the joint to a little beyond where it leaves it; between limbs of which neither
+//! hangs from the other a gap stays where both have left what they hang from. All that is still joined where it should not
+//! be is cut by [`keep_ball`]: the solid is one ball, whatever the limbs do.
 //!
 //! Limit: a limb thinner than the grid's cells becomes as thick as one.
 
@@ -15,12 +16,18 @@ use super::super::fringe::Lattice;
 use super::super::limb::LimbShape;
 use super::super::tube::{covered, rounding, section};
 use crate::error::Result;
-use crate::geometry::Field3;
+use crate::geometry::{Field3, keep_ball};
 use crate::job::Stage;
 
 /// Half length of an ellipsoid along the limb, as a share of its smaller half axis: long ones would fill what is slim
 /// between thicker places. They stand a third of it apart.
 const ALONG: f32 = 0.35;
+/// Half the least thickness in cells: a row of samples so close to a line hangs together by their sides.
+const THINNEST: f32 = 0.87;
+/// The gap between limbs that are not joined, in cells.
+const GAP: f32 = 1.5;
+/// The share of a limb beyond which it has left its trunk, over which the gap opens.
+const PARTING: f32 = 0.1;
 /// How far a joint's fillet reaches, as a share of the thinner limb's radius.
 const FILLET: f32 = 0.4;
 /// At most so many grid points: 4 bytes each, and a solid of a clip that it fills needs under two million.
@@ -40,10 +47,16 @@ pub(super) struct LimbField {
     distance: Vec<f32>,
     /// The limb's sample that is nearest.
     sample: Vec<f32>,
+    /// The share of the limb where that is.
+    share: Vec<f32>,
+    /// How deep inside, as a share of the cross-section there: -1 on the axis, 0 on the surface.
+    depth: Vec<f32>,
     /// How far the fillet with the parent reaches.
     fillet: f32,
     /// The share of the limb at which it leaves its parent.
     leaves: f32,
+    /// The limb's mean radius.
+    radius: f32,
 }
 
 /// The whole solid.
@@ -109,25 +122,27 @@ impl LimbField {
         let t = ((share - self.leaves) / 0.25).clamp(0.0, 1.0);
         self.fillet * (1.0 - t * t * (3.0 - 2.0 * t))
     }
+
+    /// How far the limb has left its parent at a grid point: 0 not at all, 1 it is on its own.
+    fn parted(&self, i: usize) -> f32 {
+        let t = ((self.share[i] - self.leaves) / PARTING).clamp(0.0, 1.0);
+        t * t * (3.0 - 2.0 * t)
+    }
 }
 
 /// The solid of limbs that stand apart in their only frame. `sheets` are what is inflated on each, `cell` the wanted
 /// size of the grid's cells.
 pub(super) fn body(limbs: &[LimbShape], sheets: &[Option<Lattice>], cell: f32, stage: Stage<'_>) -> Result<Body> {
-    let balls: Vec<Vec<Ball>> = limbs.iter().map(|l| balls(l, 0.75 * cell)).collect();
+    let raised: Vec<Option<Raised<'_>>> =
+        limbs.iter().zip(sheets).map(|(l, s)| s.as_ref().map(|s| Raised::new(s, l))).collect();
+    let balls: Vec<Vec<Ball>> = (0..limbs.len()).map(|l| balls(limbs, l, THINNEST * cell)).collect();
     let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
     for ball in balls.iter().flatten() {
         low = low.min(ball.center - ball.half.max_element());
         high = high.max(ball.center + ball.half.max_element());
     }
-    for (sheet, limb) in sheets.iter().zip(limbs) {
-        if let Some(sheet) = sheet {
-            let (a, b) = sheet.bounds();
-            let deep = sheet.height.data().iter().copied().fold(0.0, f32::max);
-            let z = limb.z[0].iter().fold((f32::INFINITY, f32::NEG_INFINITY), |(l, h), z| (l.min(*z), h.max(*z)));
-            low = low.min(Vec3::new(a.x, limb.clip_height - b.y, z.0 - deep));
-            high = high.max(Vec3::new(b.x, limb.clip_height - a.y, z.1 + deep));
-        }
+    for sheet in raised.iter().flatten() {
+        (low, high) = (low.min(sheet.low), high.max(sheet.high));
     }
     if !(low.is_finite() && high.is_finite()) {
         (low, high) = (Vec3::ZERO, Vec3::ONE);
@@ -137,15 +152,16 @@ pub(super) fn body(limbs: &[LimbShape], sheets: &[Option<Lattice>], cell: f32, s
     let origin = low - 2.0 * cell;
     let dims = (extent / cell).to_array().map(|n| n.ceil() as usize + 5);
     let mut field = Field3::new(dims, origin, cell, FAR);
-    let own: Vec<LimbField> = (0..limbs.len())
-        .into_par_iter()
-        .map(|l| {
-            stage.at(0.0)?;
-            Ok(limb_field(&limbs[l], &balls[l], sheets[l].as_ref(), limbs, &field))
-        })
-        .collect::<Result<_>>()?;
+    let mut own = Vec::with_capacity(limbs.len());
+    for l in 0..limbs.len() {
+        own.push(limb_field(l, limbs, &balls[l], raised[l].as_ref(), &field, stage)?);
+    }
+    let rivals = Rivals::new(limbs);
+    let mut rank = vec![FAR; field.values.len()];
     let plane = dims[0] * dims[1];
-    field.values.par_chunks_mut(plane).enumerate().for_each(|(z, values)| {
+    let planes = field.values.par_chunks_mut(plane).zip(rank.par_chunks_mut(plane)).enumerate();
+    planes.try_for_each(|(z, (values, rank))| {
+        stage.at(0.9)?;
         for (l, limb) in own.iter().enumerate() {
             if z < limb.low[2] || z >= limb.low[2] + limb.dims[2] {
                 continue;
@@ -153,22 +169,52 @@ pub(super) fn body(limbs: &[LimbShape], sheets: &[Option<Lattice>], cell: f32, s
             let parent = limbs[l].trunk.map(|(p, _)| &own[p]);
             for y in limb.low[1]..limb.low[1] + limb.dims[1] {
                 for x in limb.low[0]..limb.low[0] + limb.dims[0] {
-                    let Some(i) = limb.index([x, y, z]) else { continue };
-                    let mut d = limb.distance[i];
-                    if d < FAR {
-                        if let Some(parent) = parent {
-                            let k = limb.fillet_at(limbs[l].axis.share(limb.sample[i]));
-                            d = smooth_min(d, parent.at([x, y, z]), k);
-                        }
-                        let value = &mut values[y * dims[0] + x];
-                        *value = value.min(d);
+                    let Some(i) = limb.index([x, y, z]).filter(|i| limb.distance[*i] < FAR) else { continue };
+                    let mut d = limb.distance[i].max(rivals.gap(l, limb, i, &own, [x, y, z], cell));
+                    if let Some(parent) = parent {
+                        let k = limb.fillet_at(limb.share[i]);
+                        d = smooth_min(d, parent.at([x, y, z]), k);
+                    }
+                    let at = y * dims[0] + x;
+                    if d < values[at] {
+                        (values[at], rank[at]) = (d, rank[at].min(limb.depth[i]));
                     }
                 }
             }
         }
-    });
+        Ok(())
+    })?;
+    keep_ball(&mut field, 0.0, &rank);
     stage.at(1.0)?;
     Ok(Body { field, limbs: own })
+}
+
+/// Limbs that must not be joined where they meet: neither hangs from the other.
+struct Rivals(Vec<Vec<usize>>);
+
+impl Rivals {
+    fn new(limbs: &[LimbShape]) -> Self {
+        let lines: Vec<Vec<usize>> = (0..limbs.len()).map(|l| super::apart::ancestors(limbs, l)).collect();
+        let rival = |a: usize, b: usize| a != b && !lines[a].contains(&b) && !lines[b].contains(&a);
+        Self((0..limbs.len()).map(|a| (0..limbs.len()).filter(|b| rival(a, *b)).collect()).collect())
+    }
+
+    /// What a limb's distance at a grid point is at least, so that a gap stays halfway to its rivals.
+    fn gap(&self, l: usize, limb: &LimbField, i: usize, all: &[LimbField], at: [usize; 3], cell: f32) -> f32 {
+        let own = limb.parted(i);
+        let mut most = f32::NEG_INFINITY;
+        for &r in &self.0[l] {
+            let other = &all[r];
+            let Some(j) = other.index(at).filter(|j| other.distance[*j] < FAR) else { continue };
+            // Closed, the gap lies so deep in the other limb that it takes nothing.
+            let wide = GAP * cell;
+            let open = own.min(other.parted(j));
+            let closed = limb.radius.max(other.radius) + wide;
+            let gap = wide * open - closed * (1.0 - open);
+            most = most.max(0.5 * (gap - (other.distance[j] - limb.distance[i])));
+        }
+        most
+    }
 }
 
 fn smooth_min(a: f32, b: f32, k: f32) -> f32 {
@@ -176,7 +222,9 @@ fn smooth_min(a: f32, b: f32, k: f32) -> f32 {
     if k > 1e-6 { a.min(b) - h * h / (4.0 * k) } else { a.min(b) }
 }
 
-fn balls(limb: &LimbShape, thinnest: f32) -> Vec<Ball> {
+/// A limb's ellipsoids, and a row of balls from its start to what it hangs from, so that nothing floats.
+fn balls(limbs: &[LimbShape], l: usize, thinnest: f32) -> Vec<Ball> {
+    let limb = &limbs[l];
     let normals = limb.normals(0);
     let (first, last) = covered(limb);
     let mut out = Vec::new();
@@ -203,7 +251,32 @@ fn balls(limb: &LimbShape, thinnest: f32) -> Vec<Ball> {
         }
         sample = (sample + (0.3 * along / spacing).max(1.0)).min(last as f32);
     }
+    link(limbs, l, thinnest, &mut out);
     out
+}
+
+/// Adds balls from a limb's start to the nearest place on the axis of what it hangs from. A limb that hangs from nothing is
+/// linked to the first of all.
+fn link(limbs: &[LimbShape], l: usize, thinnest: f32, out: &mut Vec<Ball>) {
+    let to = limbs[l].trunk.map_or(0, |(p, _)| p);
+    if to == l {
+        return;
+    }
+    let other = &limbs[to];
+    let (first, last) = covered(other);
+    let from = limbs[l].axis.first as f32;
+    let start = limbs[l].place(0, from);
+    let places = (first..=last).map(|j| other.place(0, j as f32));
+    let Some(end) = places.min_by(|a, b| a.distance(start).total_cmp(&b.distance(start))) else { return };
+    let radius = (0.5 * limbs[l].mean_radius().min(other.mean_radius())).max(thinnest);
+    let steps = (start.distance(end) / (0.5 * radius)).ceil().min(1000.0);
+    out.extend((0..=steps as usize).map(|i| Ball {
+        center: start.lerp(end, i as f32 / steps.max(1.0)),
+        axes: [Vec3::X, Vec3::Y, Vec3::Z],
+        half: Vec3::splat(radius),
+        sample: from,
+        along: Vec3::ZERO,
+    }));
 }
 
 /// How many samples an ellipsoid stands for, at most, to either side.
@@ -212,12 +285,14 @@ fn apart_of(ball: &Ball) -> f32 {
 }
 
 fn limb_field(
-    limb: &LimbShape,
-    balls: &[Ball],
-    sheet: Option<&Lattice>,
+    l: usize,
     limbs: &[LimbShape],
+    balls: &[Ball],
+    raised: Option<&Raised<'_>>,
     grid: &Field3,
-) -> LimbField {
+    stage: Stage<'_>,
+) -> Result<LimbField> {
+    let limb = &limbs[l];
     let cell = grid.cell;
     let radius = limb.mean_radius();
     let thinner = limb.trunk.map_or(radius, |(p, _)| radius.min(limbs[p].mean_radius()));
@@ -228,8 +303,7 @@ fn limb_field(
         low = low.min(ball.center - ball.half.max_element() - band);
         high = high.max(ball.center + ball.half.max_element() + band);
     }
-    let raised = sheet.map(|s| Raised::new(s, limb));
-    if let Some(r) = &raised {
+    if let Some(r) = raised {
         low = low.min(r.low - band);
         high = high.max(r.high + band);
     }
@@ -244,35 +318,54 @@ fn limb_field(
         dims,
         distance: vec![FAR; count],
         sample: vec![0.0; count],
+        share: vec![0.0; count],
+        depth: vec![FAR; count],
         fillet,
         leaves: leaves_at(limb, limbs),
+        radius,
     };
-    for ball in balls {
-        let reach = ball.half.max_element() + band;
-        let (a, b) = (to_grid(ball.center - reach), to_grid(ball.center + reach));
-        let range = |k: usize| {
-            let from = (a[k].ceil().max(0.0) as usize).max(low[k]);
-            let to = (b[k].floor().max(0.0) as usize).min(high[k]);
-            from..(to + 1).max(from)
-        };
-        for z in range(2) {
-            for y in range(1) {
-                for x in range(0) {
-                    let Some(i) = out.index([x, y, z]) else { continue };
-                    let d = ball.distance(grid.position(x, y, z));
-                    if d < out.distance[i] && d < band {
-                        let beside = (grid.position(x, y, z) - ball.center).dot(ball.along);
+    // What each ball reaches, as first and last grid points.
+    let reached: Vec<[[usize; 2]; 3]> = balls
+        .iter()
+        .map(|ball| {
+            let reach = ball.half.max_element() + band;
+            let (a, b) = (to_grid(ball.center - reach), to_grid(ball.center + reach));
+            std::array::from_fn(|k| {
+                let from = (a[k].ceil().max(0.0) as usize).max(low[k]);
+                [from, ((b[k].floor() + 1.0).max(0.0) as usize).min(high[k] + 1)]
+            })
+        })
+        .collect();
+    let plane = dims[0] * dims[1];
+    let planes = out.distance.par_chunks_mut(plane).zip(out.sample.par_chunks_mut(plane));
+    planes.zip(out.depth.par_chunks_mut(plane)).enumerate().try_for_each(|(z, ((distance, sample), depth))| {
+        stage.at(0.8 * l as f64 / limbs.len() as f64)?;
+        let z = z + low[2];
+        for (ball, [xs, ys, zs]) in balls.iter().zip(&reached) {
+            if z < zs[0] || z >= zs[1] {
+                continue;
+            }
+            for y in ys[0]..ys[1] {
+                for x in xs[0]..xs[1] {
+                    let i = (y - low[1]) * dims[0] + x - low[0];
+                    let place = grid.position(x, y, z);
+                    let d = ball.distance(place);
+                    if d < distance[i] && d < band {
+                        let beside = (place - ball.center).dot(ball.along);
                         let most = apart_of(ball);
-                        (out.distance[i], out.sample[i]) = (d, ball.sample + beside.clamp(-most, most));
+                        (distance[i], sample[i]) = (d, ball.sample + beside.clamp(-most, most));
+                        depth[i] = d / ball.half.x.min(ball.half.y);
                     }
                 }
             }
         }
-    }
+        Ok(())
+    })?;
     if let Some(raised) = raised {
         raised.add(&mut out, grid, band);
     }
-    out
+    out.share.iter_mut().zip(&out.sample).for_each(|(share, sample)| *share = limb.axis.share(*sample));
+    Ok(out)
 }
 
 /// The share of a limb at which it leaves what it hangs from; 0 where it never was inside.
@@ -369,6 +462,7 @@ impl<'a> Raised<'a> {
                 let right = self.u[i + 1] + (self.u[i + w + 1] - self.u[i + 1]) * f.y;
                 let slope = vec2(right - left, bottom - top) / self.sheet.step;
                 let base = mix(&self.base).2;
+                let deep = u.max(0.0).sqrt().max(grid.cell);
                 for z in 0..out.dims[2] {
                     let dz = grid.origin.z + grid.cell * (z + out.low[2]) as f32 - base;
                     let steep = (4.0 * dz * dz + slope.length_squared() + 0.1 * grid.cell * grid.cell).sqrt();
@@ -382,6 +476,8 @@ impl<'a> Raised<'a> {
                         out.sample[at] = self.nearest[i];
                     }
                     out.distance[at] = smooth_min(own, d, 0.4 * grid.cell);
+                    // Of less worth than an axis.
+                    out.depth[at] = out.depth[at].min((0.5 * d / deep).max(-0.5));
                 }
             }
         }

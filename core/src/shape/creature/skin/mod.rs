@@ -4,7 +4,7 @@
 //! bound to the bones ([`weights`]) and fitted to the silhouettes of all frames: single frames by moving the limbs
 //! ([`posing`]), all together by moving the surface ([`silhouette`]). It gets one atlas ([`atlas`]).
 //!
-//! Limit: between legs that part only below the body a small handle may stay; the surface is closed all the same.
+//! Limit: limbs that run through each other in the rest frame are cut apart, which may be seen when they part.
 
 mod apart;
 mod atlas;
@@ -42,8 +42,30 @@ pub(super) struct Source<'a> {
     /// The rest frame.
     pub image: &'a FrameImage,
     pub sheets: &'a [Option<Lattice>],
-    /// Wanted length of edges in clip pixels.
-    pub edge: f32,
+    /// About how many triangles are wanted.
+    pub triangles: usize,
+}
+
+/// More triangles than wanted by this share, and the skin is made anew of larger ones.
+const OVER: f32 = 1.2;
+/// No edge is shorter in clip pixels: masks know nothing smaller.
+const SHORTEST: f32 = 1.0;
+
+/// The grid's cell for about so many triangles. A surface crosses 1.5 of a grid's edges a cell of its area, on the mean of
+/// all directions, and each crossing becomes two triangles.
+fn cell_of(limbs: &[LimbShape], sheets: &[Option<Lattice>], triangles: usize) -> f32 {
+    let tubes: f32 = limbs.iter().map(area).sum();
+    let sheets: f32 = sheets.iter().flatten().map(|s| 2.0 * s.area()).sum();
+    (3.0 * (tubes + sheets) / triangles.max(1) as f32).sqrt().max(SHORTEST)
+}
+
+/// About the area of a limb's cylinder: an ellipse's perimeter is nearly that of a circle of its mean square radius.
+fn area(limb: &LimbShape) -> f32 {
+    let around = |i: usize| {
+        let (a, b) = (limb.half_width(i), limb.half_width(i) * limb.depth_ratio[i]);
+        std::f32::consts::TAU * ((a * a + b * b) / 2.0).sqrt()
+    };
+    (limb.axis.first..=limb.axis.last).map(around).sum::<f32>() * limb.axis.spacing()
 }
 
 /// The skin in the rest pose, without colours.
@@ -56,12 +78,19 @@ pub(super) fn skin(
     stage: Stage<'_>,
 ) -> Result<SkinnedPart> {
     let Source { order, rest, masks, .. } = *source;
-    let cell = source.edge;
     let inward = super::root_first(limbs, |l| l.trunk);
-    let apart = apart::apart(limbs, &inward, rest, 2.0 * cell);
-    let body = body::body(&apart, source.sheets, cell, stage.part(0.0, 0.2))?;
-    let (mut places, triangles) = iso_surface(&body.field, 0.0);
-    stage.at(0.3)?;
+    let mut cell = cell_of(limbs, source.sheets, source.triangles);
+    let (apart, body, mut places, triangles) = loop {
+        let apart = apart::apart(limbs, &inward, rest, 2.0 * cell);
+        let body = body::body(&apart, source.sheets, cell, stage.part(0.0, 0.2))?;
+        let (places, triangles) = iso_surface(&body.field, 0.0);
+        stage.at(0.3)?;
+        let over = triangles.len() as f32 / source.triangles.max(1) as f32;
+        if over <= OVER {
+            break (apart, body, places, triangles);
+        }
+        cell *= over.sqrt();
+    };
     let ring = Neighbours::new(places.len(), &triangles);
     let binding = weights::bind(&places, &ring, &body, &apart, bones);
     let n = limbs.len();

@@ -1,7 +1,7 @@
 //! Fits the skin to the silhouettes of all frames.
 //!
 //! Method: in every frame the skin is posed and drawn; a vertex on its outline looks along its normal for the outline of
-//! the frame's mask. What the frames want of a vertex is a displacement along its rest normal; the displacements of all
+//! the frame's mask, and each place on that outline for the nearest vertex, so that tips come out. What the frames want of a vertex is a displacement along its rest normal; the displacements of all
 //! vertices are the smooth ones that explain these wishes best (a membrane over the mesh with robust weights, one sparse
 //! system by conjugate gradients). Vertices that are never on an outline follow those that are.
 
@@ -18,10 +18,18 @@ use crate::job::Stage;
 use crate::raster::{Mask, Rasterizer, Surface, clip_view};
 
 /// Rounds of drawing and fitting.
-const ROUNDS: usize = 5;
+const ROUNDS: usize = 8;
 /// What the rest frame and the other key frames count against all frames together: they must be met.
-const REST_SHARE: f32 = 1.5;
-const KEY_SHARE: f32 = 0.5;
+const REST_SHARE: f32 = 15.0;
+const KEY_SHARE: f32 = 1.0;
+/// What a place on the mask's outline counts against a vertex on the skin's: there are about four of them for each.
+const BORDER: f32 = 0.5;
+/// An outline is the one looked for when its normal is less far off than this cosine.
+const ALIKE: f32 = 0.3;
+/// A vertex that moves the outline by less for a unit of its own says little.
+const LEAST_GAIN: f32 = 0.3;
+/// Beyond this share of the reach a distance is doubted.
+const DOUBT: f32 = 0.4;
 /// Weight of the membrane against one certain vertex, and of staying where it is against the membrane.
 const MEMBRANE: f32 = 0.15;
 const STAY: f32 = 1e-3;
@@ -46,13 +54,20 @@ pub(super) struct Fit<'a> {
 /// What a vertex on the outline wants in one frame.
 pub(super) struct Wish {
     pub vertex: u32,
+    /// Where it is in the image.
+    pub at: Vec2,
     /// The outline's normal in the image.
     pub normal: Vec2,
     /// How far the outline moves along it for a unit of displacement of the vertex.
     pub gain: f32,
     /// How far it should move.
     pub distance: f32,
+    /// What it counts.
+    pub weight: f32,
 }
+
+/// A place on a mask's outline and the normal there, outward.
+type Border = (Vec2, Vec2);
 
 impl Fit<'_> {
     /// Fits the vertices (rest pose) and the limbs' axes, with the bones on them.
@@ -65,6 +80,7 @@ impl Fit<'_> {
         max_bones: usize,
         stage: Stage<'_>,
     ) -> Result<()> {
+        let borders: Vec<Vec<Border>> = self.masks.par_iter().map(border).collect();
         for round in 0..ROUNDS {
             let rest_normals = normals(places, self.triangles);
             let skins = super::skin_matrices(bones, self.rest);
@@ -72,18 +88,13 @@ impl Fit<'_> {
                 .into_par_iter()
                 .map(|f| {
                     stage.at(round as f64 / ROUNDS as f64)?;
-                    Ok(self.wishes(places, &rest_normals, &skins[f], &self.masks[f]))
+                    Ok(self.wishes(places, &rest_normals, &skins[f], &self.masks[f], &borders[f]))
                 })
                 .collect::<Result<_>>()?;
             if round + 1 < ROUNDS {
-                let moves = super::posing::moves(&wishes, self, bones);
+                let moves = super::posing::moves(&mut wishes, self, bones);
                 super::posing::apply(&moves, limbs, bones);
                 *bones = super::super::bones::lay(limbs, order, self.masks.len(), max_bones);
-                for (wishes, moves) in wishes.iter_mut().zip(&moves) {
-                    for wish in wishes {
-                        wish.distance -= wish.normal.dot(super::posing::of_vertex(moves, self.binding, wish.vertex));
-                    }
-                }
             }
             let moved = self.displacements(&wishes);
             for (v, p) in places.iter_mut().enumerate() {
@@ -95,7 +106,7 @@ impl Fit<'_> {
 
     /// How much a wish counts among those of its frame: far ones are doubted.
     pub(super) fn trust(&self, wish: &Wish) -> f32 {
-        1.0 / (1.0 + (wish.distance / (0.4 * self.reach)).powi(2)).powi(2)
+        wish.weight / (1.0 + (wish.distance / (DOUBT * self.reach)).powi(2)).powi(2)
     }
 
     /// The displacement of each vertex along its rest normal.
@@ -127,7 +138,14 @@ impl Fit<'_> {
     }
 
     /// What the vertices on the outline want in a frame.
-    fn wishes(&self, places: &[Vec3], rest_normals: &[Vec3], skin: &[Mat4], mask: &Mask) -> Vec<Wish> {
+    fn wishes(
+        &self,
+        places: &[Vec3],
+        rest_normals: &[Vec3],
+        skin: &[Mat4],
+        mask: &Mask,
+        border: &[Border],
+    ) -> Vec<Wish> {
         let (w, h) = (mask.width(), mask.height());
         let now = posed(places, self.binding, skin);
         let mesh = TriMesh {
@@ -145,7 +163,7 @@ impl Fit<'_> {
                 && picture.id.get(p.x as usize, p.y as usize) == 0
         };
         let normal = normals(&mesh.positions, self.triangles);
-        let mut out = Vec::new();
+        let mut outline = Vec::new();
         for (v, n) in normal.iter().enumerate() {
             if n.z.abs() > 0.6 {
                 continue;
@@ -156,15 +174,72 @@ impl Fit<'_> {
             if drawn(at + flat * 1.5) || !drawn(at - flat * 1.5) {
                 continue;
             }
-            let Some(d) = to_outline(mask, at, flat, self.reach) else { continue };
             let m = now[v].1.transform_vector3(rest_normals[v]);
-            let c = vec2(m.x, -m.y).dot(flat);
-            if c > 0.3 {
-                out.push(Wish { vertex: v as u32, normal: flat, gain: c, distance: d });
+            outline.push(Edge { vertex: v as u32, at, normal: flat, moved: vec2(m.x, -m.y) });
+        }
+        let mut out = Vec::new();
+        let mut push = |edge: &Edge, normal: Vec2, distance: f32, weight: f32| {
+            let gain = edge.moved.dot(normal);
+            if gain > LEAST_GAIN {
+                out.push(Wish { vertex: edge.vertex, at: edge.at, normal, gain, distance, weight });
+            }
+        };
+        for edge in &outline {
+            if let Some(d) = to_outline(mask, edge.at, edge.normal, self.reach) {
+                push(edge, edge.normal, d, 1.0);
+            }
+        }
+        // The other way round: what the mask shows and the skin does not reach.
+        outline.sort_by(|a, b| a.at.x.total_cmp(&b.at.x).then(a.vertex.cmp(&b.vertex)));
+        for (at, normal) in border {
+            let first = outline.partition_point(|e| e.at.x < at.x - self.reach);
+            let near = outline[first..].iter().take_while(|e| e.at.x <= at.x + self.reach);
+            let alike = near.filter(|e| e.normal.dot(*normal) > ALIKE);
+            let nearest = alike.min_by(|a, b| a.at.distance_squared(*at).total_cmp(&b.at.distance_squared(*at)));
+            if let Some(edge) = nearest.filter(|e| e.at.distance(*at) < self.reach) {
+                push(edge, *normal, (*at - edge.at).dot(*normal), BORDER);
             }
         }
         out
     }
+}
+
+/// A vertex on the outline of what is drawn.
+struct Edge {
+    vertex: u32,
+    at: Vec2,
+    normal: Vec2,
+    /// Where it goes in the image for a unit along its rest normal.
+    moved: Vec2,
+}
+
+/// The outline of a mask, a place a pixel. Where the image ends, the outline is not the creature's.
+fn border(mask: &Mask) -> Vec<Border> {
+    let (w, h) = (mask.width() as isize, mask.height() as isize);
+    let mut out = Vec::new();
+    for y in 2..h - 2 {
+        for x in 2..w - 2 {
+            if !mask.at(x, y) || [(1, 0), (-1, 0), (0, 1), (0, -1)].iter().all(|(i, j)| mask.at(x + i, y + j)) {
+                continue;
+            }
+            let mut slope = Vec2::ZERO;
+            let mut share = 0.0;
+            for j in -2..=2isize {
+                for i in -2..=2isize {
+                    if mask.at(x + i, y + j) {
+                        slope -= vec2(i as f32, j as f32);
+                        share += 1.0 / 25.0;
+                    }
+                }
+            }
+            if let Some(normal) = slope.try_normalize() {
+                // A straight outline leaves half of the window, and what is more or less says how far off it is.
+                let off = 5.0 * (share - 0.5);
+                out.push((vec2(x as f32 + 0.5, y as f32 + 0.5) + normal * off, normal));
+            }
+        }
+    }
+    out
 }
 
 /// Poses the vertices; what moves each.
