@@ -167,6 +167,28 @@ fn points_on_a_swinging_arm_guide_each_other_along_it() {
 }
 
 #[test]
+fn a_guide_that_errs_does_not_tear_a_point_from_a_smooth_way() {
+    let slowly = |f: usize| vec2(80.0, 80.0) + 40.0 * Vec2::from_angle(0.06 * f as f32);
+    let clip = clip(80, |f| vec![(slowly(f), 18.0, 1.0)]);
+    let params = PointParams::default();
+    let footage = PointFootage::read(&clip, &params, Progress::new().whole()).expect("read").footage;
+    let stretch = super::stretches(&[super::Key { frame: 0, at: slowly(0) * footage.scale }], 80)[0];
+    let alone = stretch.alone(&footage, &params, Progress::new().whole()).expect("solved");
+    // From the key away over the ground, which looks otherwise.
+    let astray = |f: usize| slowly(0).lerp(vec2(20.0, 20.0), (0.1 * f as f32).min(1.0));
+    let guide: Vec<_> = (0..80).map(|f| super::Guide { at: astray(f) * footage.scale, trust: 1.0 }).collect();
+    let farthest = |params: &PointParams| {
+        let solved = alone.guided(&footage, params, &guide, Progress::new().whole()).expect("solved");
+        let misses = solved.best.places.iter().enumerate().map(|(f, p)| (p.at / footage.scale).distance(slowly(f)));
+        misses.fold(0.0, f32::max)
+    };
+    let miss = farthest(&params);
+    assert!(miss < 1.5, "{miss}");
+    let miss = farthest(&PointParams { dear: f32::INFINITY, ..params.clone() });
+    assert!(miss > 20.0, "{miss}");
+}
+
+#[test]
 fn limbs_run_within_the_body_and_its_legs_are_a_pair() {
     // Two legs, nearer to each other than they are long, and a head, of which only the ends are marked.
     let [hips, feet] = [[vec2(60.0, 50.0), vec2(100.0, 50.0)], [vec2(64.0, 130.0), vec2(96.0, 130.0)]];
