@@ -26,16 +26,33 @@ fn main() {
             image::imageops::crop_imm(&picture, edge, edge, width, height).to_image().save(&path).unwrap();
             println!("{}", path.display());
         };
-        desk.harness.run_steps(60);
-        std::thread::sleep(std::time::Duration::from_millis(800));
+        if theme == Theme::Light {
+            desk.harness.step();
+            desk.harness.key_press_modifiers(Modifiers::COMMAND, Key::L);
+        }
+        desk.rest(1200);
         save(&mut desk, "start");
+        // Drawing, in the middle of a leg.
+        let clip = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../data/fox/clip.mp4");
+        desk.drop_file(&clip);
+        desk.wait_open();
+        desk.rest(1500);
+        save(&mut desk, "empty");
+        desk.draw(&[(315.0, 245.0), (370.0, 252.0), (425.0, 257.0)]);
+        desk.draw(&[(425.0, 257.0), (470.0, 246.0), (515.0, 234.0)]);
+        desk.draw(&[(315.0, 245.0), (285.0, 238.0), (240.0, 270.0), (190.0, 298.0), (162.0, 299.0)]);
+        let leg = [(317.0, 246.0), (335.0, 285.0), (300.0, 305.0), (262.0, 312.0)];
+        desk.press_along(&leg);
+        save(&mut desk, "drawing");
+        desk.harness.drop_at(desk.harness.state().open().unwrap().on_screen(leg[3]));
+        desk.harness.run_steps(3);
+        desk.click("To the start");
+        desk.rest(300);
+        save(&mut desk, "again");
         desk.click("Open the sample: a fox that walks");
         desk.wait_open();
         desk.wait("thumbnails", |s| s.open().is_some_and(|o| o.is_busy()));
-        for _ in 0..60 {
-            desk.harness.step();
-            std::thread::sleep(std::time::Duration::from_millis(25));
-        }
+        desk.rest(1500);
         save(&mut desk, "making");
         desk.wait("the creature", |s| s.open().is_some_and(|o| o.has_creature() && o.pictures() > 0));
         desk.harness.key_press(Key::Space);
@@ -45,26 +62,17 @@ fn main() {
             desk.harness.key_press(Key::Period);
         }
         desk.click("Draw hind_near");
-        for _ in 0..60 {
-            desk.harness.step();
-            std::thread::sleep(std::time::Duration::from_millis(25));
-        }
+        desk.rest(1500);
         save(&mut desk, "creature");
         desk.harness.key_press(Key::Num3);
         desk.harness.key_press(Key::Num4);
         desk.harness.key_press(Key::V);
         desk.harness.key_press(Key::V);
-        for _ in 0..60 {
-            desk.harness.step();
-            std::thread::sleep(std::time::Duration::from_millis(25));
-        }
+        desk.rest(1500);
         save(&mut desk, "overlays");
         desk.click("Export…");
         desk.click("Animated WebP");
-        for _ in 0..60 {
-            desk.harness.step();
-            std::thread::sleep(std::time::Duration::from_millis(25));
-        }
+        desk.rest(1500);
         save(&mut desk, "export");
         desk.harness.key_press(Key::Escape);
         desk.harness.run_steps(3);

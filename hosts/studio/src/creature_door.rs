@@ -224,13 +224,9 @@ impl CreatureDoor {
                 }
                 return;
             }
-            let text = match (busy, made) {
-                (true, _) => texts::MAKING,
-                (false, true) => texts::UPDATE,
-                (false, false) => texts::MAKE,
-            };
-            let asked = ui.add_enabled_ui(!busy, |ui| widgets::primary_button(ui, text).on_hover_text(make));
-            if asked.inner.clicked() {
+            // While it is made, the line below says how far it is.
+            let text = if made { texts::UPDATE } else { texts::MAKE };
+            if !busy && widgets::primary_button(ui, text).on_hover_text(make).clicked() {
                 self.command(Command::Make, ui.ctx(), around);
             }
             if made && ui.button(texts::EXPORT).on_hover_text(export).clicked() {

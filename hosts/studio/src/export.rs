@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use eframe::egui::{
-    Align, Button, Color32, ColorImage, ComboBox, Context as Ui, Id, Label, Layout, Modal, Rect, RichText, ScrollArea,
-    Sense, TextEdit, TextureHandle, TextureOptions, pos2, vec2,
+    Align, Button, Color32, ColorImage, ComboBox, Context as Ui, Grid, Id, Label, Layout, Modal, Rect, RichText,
+    ScrollArea, Sense, TextEdit, TextureHandle, TextureOptions, pos2, vec2,
 };
 use marey_binding::{
     Camera, ClipInfo, Context, Creature, CreatureFile, Error, Job, RenderFileOptions, RenderOptions, Style,
@@ -19,6 +19,8 @@ use crate::{texts, widgets};
 
 /// Pixels of the preview, which lies on as many points at most.
 const PREVIEW: (u32, u32) = (300, 225);
+/// Points across of the list of formats.
+const FORMATS: f32 = 340.0;
 /// What can be chosen for the height of pictures; 0 for the clip's.
 const HEIGHTS: [u32; 5] = [0, 360, 480, 720, 1080];
 
@@ -245,16 +247,16 @@ impl ExportDialog {
     ) -> Option<Asked> {
         let mut asked = None;
         let before = settings.clone();
-        let modal = Modal::new(Id::unique("export")).show(ctx, |ui| {
-            ui.set_width(720.0_f32.min(ctx.content_rect().width() - 60.0));
+        let modal = Modal::new(Id::unique("export")).frame(theme::dialog(ctx)).show(ctx, |ui| {
+            ui.set_width(FORMATS + 24.0 + PREVIEW.0 as f32);
             ui.heading(texts::EXPORT_TITLE);
             ui.add_space(theme::GAP);
             ui.horizontal_top(|ui| {
                 ui.vertical(|ui| {
-                    ui.set_width(350.0);
+                    ui.set_width(FORMATS);
                     formats(ui, settings);
                 });
-                ui.add_space(theme::GAP);
+                ui.add_space(24.0 - 2.0 * theme::GAP);
                 ui.vertical(|ui| {
                     ui.set_width(PREVIEW.0 as f32);
                     self.preview(ui, settings, exported);
@@ -386,26 +388,27 @@ fn formats(ui: &mut eframe::egui::Ui, settings: &mut ExportSettings) {
 
 /// How pictures are.
 fn pictures(ui: &mut eframe::egui::Ui, settings: &mut ExportSettings, clip: &ClipInfo) {
-    ui.horizontal(|ui| {
+    const WIDE: f32 = 190.0;
+    Grid::new("pictures").num_columns(2).spacing([12.0, 6.0]).show(ui, |ui| {
         let label = ui.label(texts::FROM);
         let names =
             [(From::Filmed, texts::FROM_FILMED), (From::Shown, texts::FROM_SHOWN), (From::Around, texts::FROM_AROUND)];
         let name = names.iter().find(|(from, _)| *from == settings.from).map_or("", |(_, name)| name);
-        let list = ComboBox::from_id_salt("from").width(170.0).selected_text(name);
+        let list = ComboBox::from_id_salt("from").width(WIDE).selected_text(name);
         let list = list.show_ui(ui, |ui| {
             for (from, name) in names {
                 ui.selectable_value(&mut settings.from, from, name);
             }
         });
         list.response.labelled_by(label.id);
-    });
-    ui.horizontal(|ui| {
+        ui.end_row();
+
         let label = ui.label(texts::SIZE);
         let named = |height: u32| {
             let (w, h) = ExportSettings { height, ..settings.clone() }.size(clip);
             texts::size_name(w, h, height == 0)
         };
-        let list = ComboBox::from_id_salt("size").width(170.0).selected_text(named(settings.height));
+        let list = ComboBox::from_id_salt("size").width(WIDE).selected_text(named(settings.height));
         let options: Vec<(u32, String)> = HEIGHTS.iter().map(|h| (*h, named(*h))).collect();
         let list = list.show_ui(ui, |ui| {
             for (height, name) in options {
@@ -413,28 +416,32 @@ fn pictures(ui: &mut eframe::egui::Ui, settings: &mut ExportSettings, clip: &Cli
             }
         });
         list.response.labelled_by(label.id);
-    });
-    ui.horizontal(|ui| {
+        ui.end_row();
+
         ui.label(texts::BEHIND);
-        let opaque = settings.format == Format::Mp4;
-        if opaque && settings.background.is_none() {
-            settings.background = Some([255; 3]);
-        }
-        ui.add_enabled_ui(!opaque, |ui| {
-            if ui.radio(settings.background.is_none(), texts::NOTHING).clicked() {
-                settings.background = None;
-            }
-        });
-        if ui.radio(settings.background.is_some(), texts::COLOR).clicked() && settings.background.is_none() {
-            settings.background = Some([255; 3]);
-        }
-        if let Some(color) = &mut settings.background {
-            ui.color_edit_button_srgb(color).accessible_name(texts::COLOR_NAME);
+        ui.horizontal(|ui| background(ui, settings));
+        ui.end_row();
+    });
+    let (film, gif) = (settings.format == Format::Mp4, settings.format == Format::Gif);
+    widgets::remark(ui, texts::animation_about(clip.frames, clip.fps, film, gif));
+}
+
+fn background(ui: &mut eframe::egui::Ui, settings: &mut ExportSettings) {
+    let opaque = settings.format == Format::Mp4;
+    if opaque && settings.background.is_none() {
+        settings.background = Some([255; 3]);
+    }
+    ui.add_enabled_ui(!opaque, |ui| {
+        if ui.radio(settings.background.is_none(), texts::NOTHING).clicked() {
+            settings.background = None;
         }
     });
-    let about =
-        texts::animation_about(clip.frames, clip.fps, settings.format == Format::Mp4, settings.format == Format::Gif);
-    widgets::remark(ui, about);
+    if ui.radio(settings.background.is_some(), texts::COLOR).clicked() && settings.background.is_none() {
+        settings.background = Some([255; 3]);
+    }
+    if let Some(color) = &mut settings.background {
+        ui.color_edit_button_srgb(color).accessible_name(texts::COLOR_NAME);
+    }
 }
 
 /// What is see-through.

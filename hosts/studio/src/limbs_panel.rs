@@ -97,6 +97,8 @@ impl LimbsPanel {
                 let room = ui.available_width() - 36.0;
                 let edit = TextEdit::singleline(&mut text)
                     .desired_width(room)
+                    .min_size(vec2(0.0, 26.0))
+                    .align(eframe::egui::Align2::LEFT_CENTER)
                     .frame(Frame::new().inner_margin(Margin::symmetric(4, 3)))
                     .hint_text(texts::LIMB_NAME);
                 let edit = ui.add(edit).accessible_name(texts::name_of_limb(&limb.label));

@@ -83,8 +83,7 @@ impl Running {
             // Each stage goes over the clip's frames.
             _ => texts::frame_of((self.state.stage_fraction * frames as f64) as u64, frames),
         };
-        let stage = if self.state.stage.is_empty() { texts::STARTING } else { &self.state.stage };
-        texts::progress(stage, &done, left(self.began.elapsed(), fraction))
+        texts::progress(texts::stage(&self.state.stage), &done, left(self.began.elapsed(), fraction))
     }
 }
 

@@ -109,26 +109,21 @@ impl Start {
         let mut asked = None;
         ui.columns(2, |columns| {
             let ui = &mut columns[0];
-            widgets::section(ui, texts::SAMPLES);
+            head(ui, texts::SAMPLES, None);
             if sample_card(ui, self.sample.as_ref()) {
                 asked = Some(Asked::Open(Source::Fox));
             }
             let ui = &mut columns[1];
             if !self.unsaved.is_empty() {
-                widgets::section(ui, texts::UNSAVED);
+                head(ui, texts::UNSAVED, None);
                 asked = self.unsaved(ui).or(asked.take());
                 ui.add_space(16.0);
             }
-            ui.horizontal(|ui| {
-                widgets::section(ui, texts::RECENT);
-                ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-                    if ui.link(texts::OPEN_SESSION).clicked() {
-                        asked = Some(Asked::PickSession);
-                    }
-                });
-            });
+            if head(ui, texts::RECENT, Some(texts::OPEN_SESSION)) {
+                asked = Some(Asked::PickSession);
+            }
             if self.recent.is_empty() {
-                widgets::remark(ui, texts::NO_RECENT);
+                ui.with_layout(Layout::top_down(Align::Min), |ui| widgets::remark(ui, texts::NO_RECENT));
             }
             for recent in &self.recent {
                 let folder = recent.path.parent().map(|p| p.to_string_lossy().into_owned()).unwrap_or_default();
@@ -168,6 +163,18 @@ impl Start {
     }
 }
 
+/// A heading, and perhaps what leads on from it: whether that was asked for.
+fn head(ui: &mut Ui, text: &str, link: Option<&str>) -> bool {
+    let row = ui.horizontal(|ui| {
+        ui.set_min_height(24.0);
+        widgets::section(ui, text);
+        let right =
+            ui.with_layout(Layout::right_to_left(Align::Center), |ui| link.is_some_and(|link| ui.link(link).clicked()));
+        right.inner
+    });
+    row.inner
+}
+
 fn title(ui: &mut Ui) {
     ui.label(RichText::new(texts::PROGRAM).size(34.0).strong());
     let weak = Palette::of(ui).weak;
@@ -201,33 +208,39 @@ fn doors(ui: &mut Ui) -> Option<Asked> {
 /// `way` is what its button says, or else where else to go.
 fn door(ui: &mut Ui, icon: Icon, title: &str, text: &str, way: Result<&str, &str>) -> bool {
     let palette = Palette::of(ui);
-    let (outline, ink) = match way {
-        Ok(_) => (palette.accent, palette.text),
-        Err(_) => (palette.outline, palette.weak),
+    let (outline, fill) = match way {
+        Ok(_) => (palette.accent, palette.raised),
+        Err(_) => (palette.outline, palette.panel),
     };
-    let fill = if way.is_ok() { palette.raised } else { palette.panel };
     let card = Frame::new().fill(fill).stroke(Stroke::new(1.0, outline)).corner_radius(10).inner_margin(18);
     let card = card.show(ui, |ui| {
         ui.set_width(ui.available_width());
-        ui.set_min_height(196.0);
-        icon.show(ui, 34.0, if way.is_ok() { palette.accent } else { palette.weak });
-        ui.add_space(4.0);
-        ui.label(RichText::new(title).size(18.0).color(ink).strong());
-        ui.add(Label::new(RichText::new(text).color(palette.weak)).wrap());
-        ui.add_space(6.0);
-        match way {
-            Ok(button) => {
-                let clicked = widgets::primary_button(ui, button).clicked();
-                ui.label(RichText::new(texts::OR_DROP).size(12.0).color(palette.weak));
-                clicked
-            }
-            Err(elsewhere) => {
-                ui.add(Label::new(RichText::new(elsewhere).size(12.0).color(palette.weak)).wrap());
-                false
-            }
-        }
+        ui.set_min_height(190.0);
+        // Columns press what is in them to their width.
+        ui.with_layout(Layout::top_down(Align::Min), |ui| card_of(ui, icon, title, text, way)).inner
     });
     card.inner
+}
+
+fn card_of(ui: &mut Ui, icon: Icon, title: &str, text: &str, way: Result<&str, &str>) -> bool {
+    let palette = Palette::of(ui);
+    let ink = if way.is_ok() { palette.text } else { palette.weak };
+    icon.show(ui, 34.0, if way.is_ok() { palette.accent } else { palette.weak });
+    ui.add_space(4.0);
+    ui.label(RichText::new(title).size(18.0).color(ink).strong());
+    ui.add(Label::new(RichText::new(text).color(palette.weak)).wrap());
+    ui.add_space(6.0);
+    match way {
+        Ok(button) => {
+            let clicked = widgets::primary_button(ui, button).clicked();
+            ui.label(RichText::new(texts::OR_DROP).size(12.0).color(palette.weak));
+            clicked
+        }
+        Err(elsewhere) => {
+            ui.add(Label::new(RichText::new(elsewhere).size(12.0).color(palette.weak)).wrap());
+            false
+        }
+    }
 }
 
 fn sample_card(ui: &mut Ui, picture: Option<&TextureHandle>) -> bool {

@@ -82,8 +82,7 @@ pub(crate) const DRAW_FIRST: &str =
 pub(crate) const MAKE_FIRST: &str = "There is no creature to export yet. Make it first.";
 pub(crate) const BUSY: &str = "Something is being made. Wait for its end, or cancel it.";
 pub(crate) const CANCELLED: &str = "Cancelled. Nothing was changed.";
-pub(crate) const STOPPING: &str = "stopping";
-pub(crate) const STARTING: &str = "starting";
+pub(crate) const STOPPING: &str = "Stopping";
 
 // The canvas.
 pub(crate) const DRAW_HINT: &str =
@@ -333,6 +332,20 @@ pub(crate) fn frame_of(done: u64, count: u64) -> String {
 
 pub(crate) fn percent(fraction: f64) -> String {
     format!("{:.0} %", 100.0 * fraction)
+}
+
+/// What the library is at. What it may call otherwise one day is said as it says it.
+pub(crate) fn stage(stage: &str) -> &str {
+    match stage {
+        "" | "waiting" => "Waiting for its turn",
+        "tracking" => "Following the limbs",
+        "segmenting" => "Cutting it out",
+        "reconstructing" | "fitting" => "Building the body",
+        "texturing" => "Painting the skin",
+        "rendering" => "Drawing",
+        "writing frames" => "Writing frames",
+        other => other,
+    }
 }
 
 pub(crate) fn progress(stage: &str, done: &str, left: Option<Duration>) -> String {

@@ -2,7 +2,8 @@
 
 use eframe::egui::style::{Selection, WidgetVisuals, Widgets};
 use eframe::egui::{
-    Color32, Context, CornerRadius, FontFamily, FontId, Margin, Shadow, Stroke, TextStyle, Theme, Ui, Visuals, vec2,
+    Color32, Context, CornerRadius, FontFamily, FontId, Frame, Margin, Shadow, Stroke, TextStyle, Theme, Ui, Visuals,
+    vec2,
 };
 
 use crate::preferences::Light;
@@ -120,6 +121,11 @@ pub(crate) fn apply(ctx: &Context) {
             style.interaction.selectable_labels = false;
         });
     }
+}
+
+/// What dialogs lie on.
+pub(crate) fn dialog(ctx: &Context) -> Frame {
+    Frame::window(&ctx.global_style()).inner_margin(20)
 }
 
 pub(crate) fn set_light(ctx: &Context, light: Light) {

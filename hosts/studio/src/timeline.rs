@@ -1,8 +1,8 @@
 //! The clip in time: small pictures, key frames as diamonds, where it is unsure, and what plays.
 
 use eframe::egui::{
-    Align, Align2, Color32, FontId, Layout, Pos2, Rect, RichText, Sense, Shape, Stroke, StrokeKind, Ui,
-    WidgetInfo, pos2, vec2,
+    Align, Align2, Color32, FontId, Layout, Pos2, Rect, RichText, Sense, Shape, Stroke, StrokeKind, Ui, WidgetInfo,
+    pos2, vec2,
 };
 
 use crate::document::Document;
@@ -158,6 +158,7 @@ fn controls(ui: &mut Ui, document: &Document, playback: &Playback) -> Vec<Asked>
         ui.label(RichText::new(texts::place_in_time(playback.frame(), document.frames(), seconds)).monospace());
         let corrections = document.tracked.as_ref().map_or(0, |t| t.corrections.len());
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            ui.spacing_mut().item_spacing.x = 12.0;
             if corrections > 0 {
                 let hint = crate::shortcuts::hint(ui.ctx(), texts::NEXT_CORRECTION_HINT, Command::NextCorrection);
                 if ui.button(texts::NEXT_CORRECTION).on_hover_text(hint).clicked() {

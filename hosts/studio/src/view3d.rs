@@ -20,7 +20,7 @@ use crate::{shortcuts, texts, widgets};
 const FOV: f32 = 24.0;
 /// Degrees a point of dragging.
 const TURN: f32 = 0.4;
-/// A picture that takes longer, while things move, is drawn at half the size.
+/// Where a picture takes longer, it is drawn at half the size and with hard edges while things move.
 const SLOW: Duration = Duration::from_millis(28);
 /// How long after a move the whole size comes back.
 const REST: Duration = Duration::from_millis(180);
@@ -166,6 +166,7 @@ impl View3d {
         let options = RenderOptions {
             size: (side(pixels.x), side(pixels.y)),
             style: self.style,
+            hard_edges: coarse,
             shadow: 0.35,
             frame,
             camera: self.camera(bounds, height),

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use common::{BAR_FRAMES, Desk, bar};
 use egui_kittest::kittest::Queryable as _;
 use image::AnimationDecoder as _;
-use marey_studio::egui::{Key, Modifiers, PointerButton};
+use marey_studio::egui::{Event, Key, Modifiers, PointerButton, Pos2, pos2, vec2};
 
 const CTRL: Modifiers = Modifiers::COMMAND;
 const CTRL_SHIFT: Modifiers = Modifiers::COMMAND.plus(Modifiers::SHIFT);
@@ -60,7 +60,7 @@ fn a_clip_becomes_a_creature_and_a_file() {
     assert_eq!(frame(&desk), u64::from(BAR_FRAMES) - 2);
     let timeline = desk.harness.get_by_label_contains("Timeline").rect();
     let press = |desk: &mut Desk, share: f32| {
-        let at = timeline.lerp_inside(marey_studio::egui::vec2(share, 0.6));
+        let at = timeline.lerp_inside(vec2(share, 0.6));
         desk.harness.hover_at(at);
         desk.harness.drag_at(at);
         desk.harness.drop_at(at);
@@ -138,7 +138,7 @@ fn what_was_not_saved_is_there_after_a_crash() {
 }
 
 #[test]
-fn a_session_saves_by_name_and_a_sample_leaves_nothing_behind() {
+fn a_sample_is_made_at_once_stops_when_told_and_leaves_nothing_behind() {
     let mut desk = Desk::new();
     desk.harness.run();
     desk.click("Open the sample: a fox that walks");
@@ -154,6 +154,89 @@ fn a_session_saves_by_name_and_a_sample_leaves_nothing_behind() {
     desk.click("To the start");
     desk.harness.run();
     assert!(desk.harness.query_by_label("NOT SAVED YET").is_none(), "it was only looked at");
+}
+
+#[test]
+fn a_session_with_a_name_is_saved_and_listed() {
+    let mut desk = Desk::new();
+    let clip = bar(desk.folder.path());
+    let file = desk.folder.path().join("walk.marey");
+    {
+        let context = marey_binding::Context::new(1).unwrap();
+        let session = context.new_session(file.to_str().unwrap()).unwrap();
+        session.set_clip(Some(&context.open_clip(clip.to_str().unwrap()).unwrap())).unwrap();
+        session.save().unwrap();
+    }
+    desk.drop_file(&file);
+    desk.wait_open();
+    desk.harness.get_by_label("Saved");
+    desk.draw(&[(33.0, 32.0), (57.0, 32.0)]);
+    desk.harness.get_by_label("Not saved");
+    keys(&mut desk, CTRL, Key::S);
+    desk.harness.get_by_label("Saved");
+
+    // What came after the save is saved when it is left.
+    desk.draw(&[(33.0, 40.0), (57.0, 50.0)]);
+    desk.click("To the start");
+    desk.harness.run();
+    desk.click("Open walk");
+    desk.wait_open();
+    assert_eq!(desk.limbs(), ["limb 1", "limb 2"]);
+    desk.harness.get_by_label("Saved");
+    desk.click("To the start");
+    desk.click("Take off the list: walk");
+    assert!(desk.harness.query_by_label("Open walk").is_none());
+    assert!(file.exists());
+}
+
+#[test]
+fn key_frames_are_dragged_and_clips_zoomed() {
+    let mut desk = Desk::new();
+    let clip = bar(desk.folder.path());
+    desk.drop_file(&clip);
+    desk.wait_open();
+    desk.draw(&[(33.0, 32.0), (57.0, 32.0)]);
+    let timeline = desk.harness.get_by_label_contains("Timeline").rect();
+    // The strip leaves eight points free at each side; diamonds are above it.
+    let x_of = |frame: f32| {
+        let (left, wide) = (timeline.left() + 8.0, timeline.width() - 16.0);
+        pos2(left + wide * (frame + 0.5) / BAR_FRAMES as f32, timeline.top() + 10.0)
+    };
+    desk.harness.hover_at(x_of(0.0));
+    desk.harness.drag_at(x_of(0.0));
+    for step in 1..=10 {
+        desk.harness.hover_at(x_of(0.3 * step as f32));
+    }
+    desk.harness.drop_at(x_of(3.0));
+    desk.harness.run_steps(3);
+    let open = desk.harness.state().open().unwrap();
+    assert_eq!((open.key_frames(), open.frame()), (&[3][..], 3));
+    keys(&mut desk, CTRL, Key::Z);
+    assert_eq!(desk.harness.state().open().unwrap().key_frames(), [0], "one step");
+
+    let place = |desk: &Desk, at| desk.harness.state().open().unwrap().on_screen(at);
+    let (before, cursor) = (place(&desk, (20.0, 20.0)), place(&desk, (60.0, 40.0)));
+    desk.harness.hover_at(cursor);
+    desk.harness.step();
+    desk.harness.event(Event::Zoom(1.5));
+    desk.harness.run_steps(2);
+    assert!(place(&desk, (60.0, 40.0)).distance(cursor) < 0.1, "what is under the cursor stays");
+    let wide = |a: Pos2| a.distance(cursor);
+    let now = place(&desk, (20.0, 20.0));
+    assert!((wide(now) / wide(before) - 1.5).abs() < 0.01, "{before:?} {now:?}");
+    // Space and the mouse move it, and do not play it.
+    desk.harness.key_down(Key::Space);
+    desk.harness.drag_at(cursor);
+    desk.harness.hover_at(cursor + vec2(30.0, 12.0));
+    desk.harness.hover_at(cursor + vec2(60.0, 24.0));
+    desk.harness.drop_at(cursor + vec2(60.0, 24.0));
+    desk.harness.key_up(Key::Space);
+    desk.harness.run_steps(3);
+    assert!(place(&desk, (20.0, 20.0)).distance(now + vec2(60.0, 24.0)) < 1.0);
+    assert_eq!(desk.limbs().len(), 1, "nothing was drawn");
+    assert!(!desk.harness.state().open().unwrap().playing());
+    keys(&mut desk, CTRL, Key::Num0);
+    assert!(place(&desk, (20.0, 20.0)).distance(before) < 0.1);
 }
 
 #[test]
@@ -197,12 +280,8 @@ fn limbs_are_named_selected_and_removed() {
     assert_eq!(desk.harness.state().open().unwrap().selected(), None);
     let at = desk.harness.state().open().unwrap().on_screen((68.7, 41.0));
     for pressed in [true, false] {
-        let click = marey_studio::egui::Event::PointerButton {
-            pos: at,
-            button: PointerButton::Primary,
-            pressed,
-            modifiers: Modifiers::NONE,
-        };
+        let click =
+            Event::PointerButton { pos: at, button: PointerButton::Primary, pressed, modifiers: Modifiers::NONE };
         desk.harness.event(click);
     }
     desk.harness.run_steps(3);

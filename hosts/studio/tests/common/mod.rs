@@ -39,6 +39,7 @@ impl Desk {
             .with_size(vec2(1376.0, 876.0))
             .with_theme(theme)
             .with_step_dt(1.0 / 60.0)
+            .with_render_cursor(false)
             .build_ui_state(|ui, studio: &mut Studio| studio.ui(ui), Studio::new(places).unwrap());
         Self { harness, folder }
     }
@@ -78,8 +79,25 @@ impl Desk {
         self.harness.run_steps(3);
     }
 
+    /// Lets so many milliseconds pass.
+    pub fn rest(&mut self, milliseconds: u64) {
+        let until = Instant::now() + Duration::from_millis(milliseconds);
+        while Instant::now() < until {
+            self.harness.step();
+            std::thread::sleep(Duration::from_millis(16));
+        }
+    }
+
     /// Draws along places of the clip.
     pub fn draw(&mut self, points: &[(f32, f32)]) {
+        let last = self.press_along(points);
+        self.harness.drop_at(last);
+        self.harness.step();
+        self.harness.run_steps(2);
+    }
+
+    /// The same, with the button still held; gives where.
+    pub fn press_along(&mut self, points: &[(f32, f32)]) -> Pos2 {
         let at: Vec<Pos2> = points.iter().map(|p| self.harness.state().open().unwrap().on_screen(*p)).collect();
         self.harness.hover_at(at[0]);
         self.harness.drag_at(at[0]);
@@ -88,9 +106,7 @@ impl Desk {
                 self.harness.hover_at(pair[0].lerp(pair[1], step as f32 / 8.0));
             }
         }
-        self.harness.drop_at(*at.last().unwrap());
-        self.harness.step();
-        self.harness.run_steps(2);
+        *at.last().unwrap()
     }
 
     pub fn limbs(&self) -> Vec<String> {
