@@ -4,8 +4,8 @@ use std::path::Path;
 use std::sync::Arc;
 
 use eframe::egui::{
-    Align, CentralPanel, Context as Gui, Frame, Layout, Margin, Panel, Pos2, ProgressBar, Rect, RichText, Ui, Vec2,
-    vec2,
+    Align, CentralPanel, Context as Gui, Frame, Label, Layout, Margin, Panel, Pos2, ProgressBar, Rect, RichText, Ui,
+    Vec2, vec2,
 };
 use marey_binding::{Context, Creature, Masks};
 
@@ -255,11 +255,12 @@ impl CreatureDoor {
                     running.cancel();
                 }
                 // As wide as its longest text, so that the bar does not jump.
-                ui.allocate_ui_with_layout(vec2(290.0, 24.0), Layout::left_to_right(Align::Center), |ui| {
-                    ui.set_min_width(290.0);
-                    widgets::remark(ui, line);
+                ui.allocate_ui_with_layout(vec2(330.0, 24.0), Layout::left_to_right(Align::Center), |ui| {
+                    ui.set_min_width(330.0);
+                    ui.add(Label::new(RichText::new(line).color(Palette::of(ui).weak)).truncate());
                 });
-                let bar = ProgressBar::new(running.fraction()).desired_height(8.0).desired_width(ui.available_width());
+                let (wide, fill) = (ui.available_width(), Palette::of(ui).accent);
+                let bar = ProgressBar::new(running.fraction()).desired_height(8.0).desired_width(wide).fill(fill);
                 ui.add(bar).accessible_name(what);
             });
         });

@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 use crate::background::Background;
 use crate::running::Purpose;
 use crate::theme::{self, Palette};
-use crate::{texts, widgets};
+use crate::{texts, view3d, widgets};
 
 /// Pixels of the preview, which lies on as many points at most.
 const PREVIEW: (u32, u32) = (300, 225);
@@ -208,8 +208,8 @@ pub(crate) enum Asked {
     Export(PathBuf),
 }
 
-/// A drawn picture of the preview, RGBA.
-type Picture = Result<Vec<u8>, String>;
+/// A drawn picture of the preview.
+type Picture = Result<ColorImage, String>;
 
 pub(crate) struct ExportDialog {
     path: String,
@@ -264,7 +264,7 @@ impl ExportDialog {
                     if settings.format.animation().is_some() {
                         pictures(ui, settings, exported.clip);
                     } else {
-                        widgets::remark(ui, settings.format.name_and_use().1);
+                        model(ui, exported.creature);
                     }
                 });
             });
@@ -341,9 +341,7 @@ impl ExportDialog {
             let answer = background.answer().unwrap_or_else(|()| Some(Err(texts::DRAWING_BROKE.into())));
             if let Some(answer) = answer {
                 match answer {
-                    Ok(rgba) => {
-                        let picture =
-                            ColorImage::from_rgba_unmultiplied([drawn.size.0 as usize, drawn.size.1 as usize], &rgba);
+                    Ok(picture) => {
                         let texture = ui.ctx().load_texture("preview", picture, TextureOptions::LINEAR);
                         (self.preview, self.failed) = (Some((texture, drawn.size)), None);
                     }
@@ -354,7 +352,7 @@ impl ExportDialog {
         }
         if self.drawing.is_none() && self.asked != Some(options) {
             let creature = exported.creature.clone();
-            let draw = move || creature.render(&options).map_err(|e| e.to_string());
+            let draw = move || view3d::picture(&creature, &options);
             self.asked = Some(options);
             self.drawing = Some((options, Background::start(ui.ctx(), draw)));
         }
@@ -384,6 +382,13 @@ fn formats(ui: &mut eframe::egui::Ui, settings: &mut ExportSettings) {
             }
         }
     });
+}
+
+/// What a file of the model holds.
+fn model(ui: &mut eframe::egui::Ui, creature: &Creature) {
+    if let Ok(info) = creature.info() {
+        widgets::remark(ui, texts::model_about(info.vertices, info.triangles, info.bones, info.frames));
+    }
 }
 
 /// How pictures are.

@@ -64,7 +64,7 @@ impl Notices {
         let width = (ctx.content_rect().width() - 80.0).clamp(240.0, 620.0);
         Area::new(Id::unique("notices"))
             .order(Order::Foreground)
-            .anchor(Align2::CENTER_TOP, vec2(0.0, 60.0))
+            .anchor(Align2::CENTER_BOTTOM, vec2(0.0, -160.0))
             .default_width(width)
             .show(ctx, |ui| {
                 ui.set_width(width);
@@ -94,7 +94,7 @@ fn one(ui: &mut Ui, notice: &Notice) -> bool {
         .shadow(ui.visuals().popup_shadow)
         .inner_margin(theme::PAD);
     let close = frame.show(ui, |ui| {
-        ui.horizontal_top(|ui| {
+        ui.horizontal(|ui| {
             icon.show(ui, 18.0, color);
             let room = ui.available_width() - 36.0;
             ui.allocate_ui(vec2(room, 0.0), |ui| {

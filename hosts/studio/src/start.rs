@@ -281,8 +281,7 @@ fn line(ui: &mut Ui, title: &str, more: &str, off: &str) -> Option<bool> {
     ui.horizontal(|ui| {
         let room = ui.available_width() - 40.0;
         let more = RichText::new(more).size(12.0).color(weak);
-        let button =
-            Button::new(title).right_text(more).frame_when_inactive(false).min_size(vec2(room, 32.0)).truncate();
+        let button = Button::new(title).right_text(more).min_size(vec2(room, 32.0)).truncate();
         if ui.add_sized(vec2(room, 32.0), button).accessible_name(texts::open_named(title)).clicked() {
             asked = Some(true);
         }

@@ -375,6 +375,10 @@ pub(crate) fn size_name(width: u32, height: u32, of_clip: bool) -> String {
     if of_clip { format!("{width} × {height}, as the clip") } else { format!("{width} × {height}") }
 }
 
+pub(crate) fn model_about(vertices: u64, triangles: u64, bones: u32, frames: u64) -> String {
+    format!("{vertices} vertices, {triangles} triangles, {bones} bones, {frames} frames.")
+}
+
 pub(crate) fn animation_about(frames: u64, fps: f64, film: bool, gif: bool) -> String {
     let about = format!("{frames} frames, {} a second.", (fps * 100.0).round() / 100.0);
     match (film, gif) {

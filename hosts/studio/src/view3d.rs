@@ -57,7 +57,7 @@ struct Request {
     options: RenderOptions,
 }
 
-type Drawn = (RenderOptions, Duration, Result<Vec<u8>, String>);
+type Drawn = (RenderOptions, Duration, Result<ColorImage, String>);
 
 #[derive(Debug, Default)]
 struct Wanted {
@@ -136,9 +136,7 @@ impl View3d {
         }
         for (options, took, picture) in self.drawn.try_iter() {
             match picture {
-                Ok(rgba) => {
-                    let size = [options.size.0 as usize, options.size.1 as usize];
-                    let picture = ColorImage::from_rgba_unmultiplied(size, &rgba);
+                Ok(picture) => {
                     match &mut self.shown {
                         Some(texture) => texture.set(picture, TextureOptions::LINEAR),
                         None => self.shown = Some(ui.ctx().load_texture("creature", picture, TextureOptions::LINEAR)),
@@ -243,6 +241,12 @@ pub(crate) fn camera(orbit: Orbit, [left, top, right, bottom]: [f32; 4], height:
     }
 }
 
+/// A picture of a creature, ready to be a texture.
+pub(crate) fn picture(creature: &Creature, options: &RenderOptions) -> Result<ColorImage, String> {
+    let rgba = creature.render(options).map_err(|e| e.to_string())?;
+    Ok(ColorImage::from_rgba_unmultiplied([options.size.0 as usize, options.size.1 as usize], &rgba))
+}
+
 fn draw(shared: &(Mutex<Wanted>, Condvar), send: &Sender<Drawn>, ui: &Context) {
     loop {
         let request = {
@@ -258,7 +262,7 @@ fn draw(shared: &(Mutex<Wanted>, Condvar), send: &Sender<Drawn>, ui: &Context) {
             }
         };
         let began = Instant::now();
-        let picture = request.creature.render(&request.options).map_err(|e| e.to_string());
+        let picture = picture(&request.creature, &request.options);
         if send.send((request.options, began.elapsed(), picture)).is_err() {
             return;
         }
