@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use eframe::egui::{self, Align, Frame, Label, Layout, Margin, Panel, RichText, Ui, vec2};
+use eframe::egui::{self, Align, Frame, Label, Layout, Margin, Panel, RichText, Ui};
 use marey_binding::{Access, Context};
 
 use crate::creature_door::{Around, CreatureDoor};
@@ -10,7 +10,7 @@ use crate::icons::Icon;
 use crate::notices::Notices;
 use crate::opening::{Opening, Source};
 use crate::picker::{Ask, Picker};
-use crate::preferences::{Light, Preferences};
+use crate::preferences::{Appearance, Preferences};
 use crate::shortcuts::{self, Command};
 use crate::start::{self, Start};
 use crate::theme::{self, Palette};
@@ -61,7 +61,8 @@ impl Studio {
 
     /// Opens a clip or a session when the window is drawn next.
     pub fn open_file(&mut self, path: &Path) {
-        self.first = Some(Source::of_path(path));
+        // A session refers to its clip by where it is, not by where the program was started.
+        self.first = Some(Source::of_path(&std::path::absolute(path).unwrap_or_else(|_| path.to_owned())));
     }
 
     /// Draws everything, and does what was asked for. Call it for every picture of the window.
@@ -242,7 +243,7 @@ impl Studio {
             Command::Open => self.picker.ask(gui, Ask::Session),
             Command::Help => self.help = true,
             Command::Light => {
-                let light = if gui.theme() == egui::Theme::Dark { Light::Light } else { Light::Dark };
+                let light = if gui.theme() == egui::Theme::Dark { Appearance::Light } else { Appearance::Dark };
                 self.preferences.light = light;
                 theme::set_light(gui, light);
             }
@@ -390,5 +391,5 @@ fn drop_target(ui: &Ui) {
     painter.rect_filled(rect, 12.0, palette.panel.gamma_multiply(0.9));
     painter.rect_stroke(rect, 12.0, egui::Stroke::new(2.0, palette.accent), egui::StrokeKind::Inside);
     let font = egui::FontId::proportional(24.0);
-    painter.text(rect.center() - vec2(0.0, 0.0), egui::Align2::CENTER_CENTER, texts::DROP, font, palette.text);
+    painter.text(rect.center(), egui::Align2::CENTER_CENTER, texts::DROP, font, palette.text);
 }

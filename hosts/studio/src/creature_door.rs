@@ -195,7 +195,7 @@ impl CreatureDoor {
                     let moved = self.document.move_key(from, to);
                     around.notices.check(moved);
                     self.playback.seek(to, now);
-                    self.follow(around);
+                    self.follow();
                 }
             }
         }
@@ -296,19 +296,19 @@ impl CreatureDoor {
                 Purpose::Export { path, .. } => around.notices.done(texts::exported(&path)),
             },
         }
-        self.follow(around);
+        self.follow();
     }
 
     /// Tracks anew what was corrected, beside the person who goes on. The first time is left to [`Command::Make`].
-    fn follow(&mut self, around: &mut Around<'_>) {
+    fn follow(&mut self) {
         let stale = self.document.tracked.is_some() && self.document.state.motion_outdated;
         if !stale || self.running.is_some() || self.document.clip.is_none() || self.document.limbs.is_empty() {
             return;
         }
+        // What is half drawn cannot be followed yet; making the creature says what is missing.
         if let Ok(job) = self.document.start_track() {
             self.running = Some(Running::new(job, Purpose::Track));
         }
-        let _ = around;
     }
 
     fn make(&mut self, around: &mut Around<'_>) {
@@ -328,7 +328,7 @@ impl CreatureDoor {
             None => self.document.add_limb(frame, points).map(drop),
         };
         around.notices.check(drawn);
-        self.follow(around);
+        self.follow();
     }
 
     fn edit_limb(&mut self, asked: limbs_panel::Asked, frame: u64, around: &mut Around<'_>) {
@@ -349,7 +349,7 @@ impl CreatureDoor {
             }
         };
         around.notices.check(edited);
-        self.follow(around);
+        self.follow();
     }
 
     /// Does what a key or a button asked for.
@@ -364,7 +364,7 @@ impl CreatureDoor {
                 let done = if command == Command::Undo { self.document.undo_one() } else { self.document.redo_one() };
                 around.notices.check(done);
                 self.selected = self.selected.filter(|limb| *limb < self.document.limbs.len());
-                self.follow(around);
+                self.follow();
             }
             Command::Cancel => {
                 if self.canvas.drawing() {
@@ -410,7 +410,7 @@ impl CreatureDoor {
                 if let Some(limb) = self.selected.filter(|limb| self.document.stroke(*limb, frame).is_some()) {
                     let removed = self.document.remove_stroke(limb, frame);
                     around.notices.check(removed);
-                    self.follow(around);
+                    self.follow();
                 }
             }
             Command::Make if !self.is_making() => self.make(around),
@@ -466,7 +466,7 @@ impl CreatureDoor {
         let taken = self.document.take_strokes(around.context, &path.to_string_lossy());
         around.notices.check(taken);
         self.selected = None;
-        self.follow(around);
+        self.follow();
         true
     }
 

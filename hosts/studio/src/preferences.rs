@@ -15,7 +15,7 @@ const RECENT: usize = 12;
 /// Light or dark.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub(crate) enum Light {
+pub(crate) enum Appearance {
     #[default]
     System,
     Light,
@@ -32,7 +32,7 @@ pub(crate) struct Recent {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub(crate) struct Preferences {
-    pub(crate) light: Light,
+    pub(crate) light: Appearance,
     /// The latest first.
     pub(crate) recent: Vec<Recent>,
     pub(crate) export: ExportSettings,
@@ -79,7 +79,7 @@ mod tests {
     fn what_is_remembered_comes_back_and_damage_costs_only_that() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("preferences.json");
-        let mut preferences = Preferences { light: Light::Dark, ..Preferences::default() };
+        let mut preferences = Preferences { light: Appearance::Dark, ..Preferences::default() };
         for name in 0..RECENT + 4 {
             preferences.remember(Path::new(&format!("{name}.marey")), "walk");
         }

@@ -6,7 +6,7 @@ use eframe::egui::{
     vec2,
 };
 
-use crate::preferences::Light;
+use crate::preferences::Appearance;
 
 /// Between things that belong together.
 pub(crate) const GAP: f32 = 8.0;
@@ -128,12 +128,12 @@ pub(crate) fn dialog(ctx: &Context) -> Frame {
     Frame::window(&ctx.global_style()).inner_margin(20)
 }
 
-pub(crate) fn set_light(ctx: &Context, light: Light) {
+pub(crate) fn set_light(ctx: &Context, light: Appearance) {
     use eframe::egui::ThemePreference;
     ctx.set_theme(match light {
-        Light::System => ThemePreference::System,
-        Light::Light => ThemePreference::Light,
-        Light::Dark => ThemePreference::Dark,
+        Appearance::System => ThemePreference::System,
+        Appearance::Light => ThemePreference::Light,
+        Appearance::Dark => ThemePreference::Dark,
     });
 }
 

@@ -1,5 +1,6 @@
 //! From a clip to an exported creature, by mouse and keyboard.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+#![allow(clippy::print_stdout, reason = "a test says why it was skipped")]
 
 mod common;
 
@@ -295,6 +296,30 @@ fn limbs_are_named_selected_and_removed() {
         keys(&mut desk, CTRL, Key::Z);
     }
     assert_eq!(desk.limbs(), ["limb 1", "limb 2"]);
+}
+
+/// The window's own drawing, which everything else here does without.
+#[test]
+fn the_start_is_drawn_light_and_dark() {
+    let gpu = marey_binding::Context::new(1).unwrap().renderer(marey_binding::Adapter::Gpu);
+    if let Err(e) = gpu {
+        println!("skipped: {e}");
+        return;
+    }
+    let mut desk = Desk::new();
+    desk.harness.run();
+    let ground = |desk: &mut Desk| {
+        let picture = desk.harness.render().unwrap();
+        let colors: std::collections::HashSet<_> = picture.pixels().map(|p| p.0).collect();
+        assert!(colors.len() > 100, "letters, lines and the fox: {} colours", colors.len());
+        picture.get_pixel(100, 800).0
+    };
+    assert!(ground(&mut desk)[..3].iter().all(|c| *c < 64));
+    keys(&mut desk, CTRL, Key::L);
+    assert!(ground(&mut desk)[..3].iter().all(|c| *c > 192));
+    let desk = &mut desk.again();
+    desk.harness.run();
+    assert!(ground(desk)[..3].iter().all(|c| *c > 192), "it is remembered");
 }
 
 #[test]
