@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 use eframe::egui::{self, Align, Frame, Label, Layout, Margin, Panel, RichText, Ui};
 use marey_binding::{Access, Context};
 
-use crate::creature_door::{Around, CreatureDoor};
+use crate::around::Around;
+use crate::creature_door::CreatureDoor;
 use crate::icons::Icon;
 use crate::notices::Notices;
 use crate::opening::{Opening, Source};
@@ -25,16 +26,12 @@ enum Screen {
 
 /// The program.
 pub struct Studio {
-    context: Context,
-    places: Places,
-    preferences: Preferences,
-    /// As it was written last.
+    around: Around,
+    /// The preferences as they were written last.
     written: Preferences,
     screen: Screen,
     /// To be opened as soon as there is a window.
     first: Option<Source>,
-    picker: Picker,
-    notices: Notices,
     help: bool,
     set_up: bool,
 }
@@ -45,15 +42,13 @@ impl Studio {
     pub fn new(places: Places) -> Result<Self, String> {
         let context = Context::new(0).map_err(|e| e.to_string())?;
         let preferences = Preferences::read(&places.preferences);
+        let written = preferences.clone();
+        let (notices, picker) = (Notices::default(), Picker::default());
         Ok(Self {
-            context,
-            written: preferences.clone(),
-            preferences,
-            places,
+            around: Around { context, places, preferences, notices, picker },
+            written,
             screen: Screen::Start(None),
             first: None,
-            picker: Picker::default(),
-            notices: Notices::default(),
             help: false,
             set_up: false,
         })
@@ -69,7 +64,7 @@ impl Studio {
     pub fn ui(&mut self, ui: &mut Ui) {
         if !self.set_up {
             theme::apply(ui.ctx());
-            theme::set_light(ui.ctx(), self.preferences.light);
+            theme::set_light(ui.ctx(), self.around.preferences.light);
             self.set_up = true;
             // The style of this picture was taken before.
             ui.set_style(ui.ctx().global_style());
@@ -81,33 +76,29 @@ impl Studio {
         self.bar(ui);
         match &mut self.screen {
             Screen::Start(start) => {
-                let recent = &self.preferences.recent;
-                let start =
-                    start.get_or_insert_with(|| Box::new(Start::new(ui.ctx(), &self.context, &self.places, recent)));
+                let recent = &self.around.preferences.recent;
+                let start = start.get_or_insert_with(|| {
+                    Box::new(Start::new(ui.ctx(), &self.around.context, &self.around.places, recent))
+                });
                 if let Some(asked) = start.show(ui) {
                     self.begin(asked, ui.ctx());
                 }
             }
             Screen::Opening(opening) => waiting(ui, &opening.source),
             Screen::Creature(door) => {
-                let mut around = Around {
-                    context: &self.context,
-                    places: &self.places,
-                    preferences: &mut self.preferences,
-                    notices: &mut self.notices,
-                    picker: &mut self.picker,
-                };
-                door.show(ui, &mut around);
+                door.show(ui, &mut self.around);
             }
         }
         if self.help {
             self.help = help::show(ui.ctx());
         }
         drop_target(ui);
-        self.notices.show(ui.ctx());
-        if self.preferences != self.written {
-            self.written = self.preferences.clone();
-            self.notices.check(self.preferences.write(&self.places.preferences).map_err(|e| texts::no_memory(&e)));
+        self.around.notices.show(ui.ctx());
+        if self.around.preferences != self.written {
+            self.written = self.around.preferences.clone();
+            self.around.notices.check(
+                self.around.preferences.write(&self.around.places.preferences).map_err(|e| texts::no_memory(&e)),
+            );
         }
     }
 
@@ -115,12 +106,12 @@ impl Studio {
     pub fn close(&mut self) {
         self.leave();
         // There is nobody left to tell.
-        let _ = self.preferences.write(&self.places.preferences);
+        let _ = self.around.preferences.write(&self.around.places.preferences);
     }
 
     /// Every line that the program has to say now.
     pub fn notices(&self) -> Vec<String> {
-        self.notices.texts().map(str::to_owned).collect()
+        self.around.notices.texts().map(str::to_owned).collect()
     }
 
     /// What is open, for tests and measurements.
@@ -141,7 +132,7 @@ impl Studio {
         for path in dropped {
             self.take_file(&path, ui.ctx());
         }
-        if let Some((ask, path)) = self.picker.answer() {
+        if let Some((ask, path)) = self.around.picker.answer() {
             match (ask, &mut self.screen) {
                 (Ask::Clip | Ask::Session, _) => self.take_file(&path, ui.ctx()),
                 (Ask::SaveAs { .. }, Screen::Creature(_)) => self.with_door(|door, around| door.save_as(&path, around)),
@@ -158,24 +149,17 @@ impl Studio {
             && let Some(answer) = opening.answer()
         {
             self.screen = Screen::Start(None);
-            if let Some(mut document) = self.notices.check(answer) {
+            if let Some(mut document) = self.around.notices.check(answer) {
                 if let Some(path) = document.path() {
                     // A session without a name keeps what it was called for its clip, through a crash too.
                     if document.state.untitled
-                        && let Some(title) = self.preferences.title(&path)
+                        && let Some(title) = self.around.preferences.title(&path)
                     {
                         document.title = title.to_owned();
                     }
-                    self.preferences.remember(&path, &document.title);
+                    self.around.preferences.remember(&path, &document.title);
                 }
-                let mut around = Around {
-                    context: &self.context,
-                    places: &self.places,
-                    preferences: &mut self.preferences,
-                    notices: &mut self.notices,
-                    picker: &mut self.picker,
-                };
-                self.screen = Screen::Creature(Box::new(CreatureDoor::new(ui.ctx(), document, &mut around)));
+                self.screen = Screen::Creature(Box::new(CreatureDoor::new(ui.ctx(), document, &mut self.around)));
             }
         }
     }
@@ -188,50 +172,36 @@ impl Studio {
         }
     }
 
-    fn with_door(&mut self, act: impl FnOnce(&mut CreatureDoor, &mut Around<'_>)) {
+    fn with_door(&mut self, act: impl FnOnce(&mut CreatureDoor, &mut Around)) {
         if let Screen::Creature(door) = &mut self.screen {
-            let mut around = Around {
-                context: &self.context,
-                places: &self.places,
-                preferences: &mut self.preferences,
-                notices: &mut self.notices,
-                picker: &mut self.picker,
-            };
-            act(door, &mut around);
+            act(door, &mut self.around);
         }
     }
 
     fn open_source(&mut self, source: Source, gui: &egui::Context) {
         self.leave();
-        self.screen = Screen::Opening(Opening::start(gui, &self.context, &self.places, source));
+        self.screen = Screen::Opening(Opening::start(gui, &self.around.context, &self.around.places, source));
     }
 
     fn leave(&mut self) {
         if let Screen::Creature(door) = std::mem::replace(&mut self.screen, Screen::Start(None)) {
-            let mut around = Around {
-                context: &self.context,
-                places: &self.places,
-                preferences: &mut self.preferences,
-                notices: &mut self.notices,
-                picker: &mut self.picker,
-            };
-            door.leave(&mut around);
+            door.leave(&mut self.around);
         }
     }
 
     fn begin(&mut self, asked: start::Asked, gui: &egui::Context) {
         match asked {
-            start::Asked::PickClip => self.picker.ask(gui, Ask::Clip),
-            start::Asked::PickSession => self.picker.ask(gui, Ask::Session),
+            start::Asked::PickClip => self.around.picker.ask(gui, Ask::Clip),
+            start::Asked::PickSession => self.around.picker.ask(gui, Ask::Session),
             start::Asked::Open(source) => self.open_source(source, gui),
             start::Asked::Discard(path) => {
-                let session = self.context.open_session(&path.to_string_lossy(), Access::Edit);
-                self.notices.check(session.and_then(marey_binding::Session::discard));
-                self.preferences.forget(&path);
+                let session = self.around.context.open_session(&path.to_string_lossy(), Access::Edit);
+                self.around.notices.check(session.and_then(marey_binding::Session::discard));
+                self.around.preferences.forget(&path);
                 self.screen = Screen::Start(None);
             }
             start::Asked::Forget(path) => {
-                self.preferences.forget(&path);
+                self.around.preferences.forget(&path);
                 self.screen = Screen::Start(None);
             }
         }
@@ -239,12 +209,12 @@ impl Studio {
 
     fn command(&mut self, command: Command, gui: &egui::Context) {
         match command {
-            Command::OpenClip => self.picker.ask(gui, Ask::Clip),
-            Command::Open => self.picker.ask(gui, Ask::Session),
+            Command::OpenClip => self.around.picker.ask(gui, Ask::Clip),
+            Command::Open => self.around.picker.ask(gui, Ask::Session),
             Command::Help => self.help = true,
             Command::Light => {
                 let light = if gui.theme() == egui::Theme::Dark { Appearance::Light } else { Appearance::Dark };
-                self.preferences.light = light;
+                self.around.preferences.light = light;
                 theme::set_light(gui, light);
             }
             Command::Start => self.leave(),

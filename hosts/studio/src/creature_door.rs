@@ -7,32 +7,22 @@ use eframe::egui::{
     Align, CentralPanel, Context as Gui, Frame, Label, Layout, Margin, Panel, Pos2, ProgressBar, Rect, RichText, Ui,
     Vec2, vec2,
 };
-use marey_binding::{Context, Creature, Masks};
+use marey_binding::{Creature, Masks};
 
+use crate::around::Around;
 use crate::canvas::{self, Canvas, Shown};
 use crate::document::Document;
 use crate::export::{self, ExportDialog, Exported};
 use crate::frames::Frames;
 use crate::limbs_panel::{self, LimbsPanel};
-use crate::notices::Notices;
-use crate::picker::{Ask, Picker};
+use crate::picker::Ask;
 use crate::playback::Playback;
-use crate::preferences::Preferences;
 use crate::running::{Ended, Purpose, Running};
 use crate::shortcuts::Command;
 use crate::theme::{self, Palette};
 use crate::timeline::{self, Timeline};
 use crate::view3d::View3d;
-use crate::{Places, shortcuts, texts, widgets};
-
-/// What the program keeps for every door.
-pub(crate) struct Around<'a> {
-    pub(crate) context: &'a Context,
-    pub(crate) places: &'a Places,
-    pub(crate) preferences: &'a mut Preferences,
-    pub(crate) notices: &'a mut Notices,
-    pub(crate) picker: &'a mut Picker,
-}
+use crate::{shortcuts, texts, widgets};
 
 /// A creature that was made, and the masks it was made of.
 #[derive(Debug)]
@@ -59,7 +49,7 @@ pub(crate) struct CreatureDoor {
 }
 
 impl CreatureDoor {
-    pub(crate) fn new(gui: &Gui, document: Document, around: &mut Around<'_>) -> Self {
+    pub(crate) fn new(gui: &Gui, document: Document, around: &mut Around) -> Self {
         for warning in document.warnings().unwrap_or_default() {
             around.notices.failed(warning);
         }
@@ -118,7 +108,7 @@ impl CreatureDoor {
 
     /// Leaves the document as it should be found again: saved where it has a name, kept where it was worked on, and
     /// gone where it was only opened.
-    pub(crate) fn leave(mut self, around: &mut Around<'_>) {
+    pub(crate) fn leave(mut self, around: &mut Around) {
         // A job has nothing to give to a session that is gone.
         self.running = None;
         let path = self.document.path();
@@ -136,7 +126,7 @@ impl CreatureDoor {
     }
 
     /// Draws everything, and does what was asked for.
-    pub(crate) fn show(&mut self, ui: &mut Ui, around: &mut Around<'_>) {
+    pub(crate) fn show(&mut self, ui: &mut Ui, around: &mut Around) {
         self.watch(ui, around);
         let now = ui.input(|i| i.time);
         self.playback.advance(now);
@@ -212,7 +202,7 @@ impl CreatureDoor {
     }
 
     /// The steps and what comes next, in the bar at the top.
-    pub(crate) fn show_steps(&mut self, ui: &mut Ui, around: &mut Around<'_>) {
+    pub(crate) fn show_steps(&mut self, ui: &mut Ui, around: &mut Around) {
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             let stale = self.document.state.creature_outdated;
             let (made, busy) = (self.made.is_some(), self.is_making());
@@ -268,7 +258,7 @@ impl CreatureDoor {
     }
 
     /// Takes in what a job made.
-    fn watch(&mut self, ui: &Ui, around: &mut Around<'_>) {
+    fn watch(&mut self, ui: &Ui, around: &mut Around) {
         let Some(ended) = self.running.as_mut().and_then(Running::poll) else { return };
         let Some(running) = self.running.take() else { return };
         ui.ctx().request_repaint();
@@ -311,7 +301,7 @@ impl CreatureDoor {
         }
     }
 
-    fn make(&mut self, around: &mut Around<'_>) {
+    fn make(&mut self, around: &mut Around) {
         if self.document.limbs.is_empty() {
             around.notices.failed(texts::DRAW_FIRST);
             return;
@@ -321,7 +311,7 @@ impl CreatureDoor {
         }
     }
 
-    fn draw(&mut self, points: &[(f32, f32)], frame: u64, around: &mut Around<'_>) {
+    fn draw(&mut self, points: &[(f32, f32)], frame: u64, around: &mut Around) {
         self.playback.stop();
         let drawn = match self.selected {
             Some(limb) => self.document.draw(limb, frame, points),
@@ -331,7 +321,7 @@ impl CreatureDoor {
         self.follow();
     }
 
-    fn edit_limb(&mut self, asked: limbs_panel::Asked, frame: u64, around: &mut Around<'_>) {
+    fn edit_limb(&mut self, asked: limbs_panel::Asked, frame: u64, around: &mut Around) {
         let document = &mut self.document;
         let label = |document: &Document, limb: usize| document.limbs[limb].label.clone();
         let edited = match asked {
@@ -353,7 +343,7 @@ impl CreatureDoor {
     }
 
     /// Does what a key or a button asked for.
-    pub(crate) fn command(&mut self, command: Command, gui: &Gui, around: &mut Around<'_>) {
+    pub(crate) fn command(&mut self, command: Command, gui: &Gui, around: &mut Around) {
         let (now, frame, last) = (gui.input(|i| i.time), self.playback.frame(), self.playback.last());
         let size = self.clip_size();
         if self.canvas.command(command, self.panel, size) || self.view3d.command(command) {
@@ -439,14 +429,14 @@ impl CreatureDoor {
         }
     }
 
-    fn ask_name(&mut self, gui: &Gui, around: &mut Around<'_>) {
+    fn ask_name(&mut self, gui: &Gui, around: &mut Around) {
         let named = self.document.named_path();
         let folder = named.as_deref().and_then(Path::parent).unwrap_or(&around.places.home).to_owned();
         around.picker.ask(gui, Ask::SaveAs { folder, name: texts::session_file(&self.document.title) });
     }
 
     /// Saves under a name that was chosen.
-    pub(crate) fn save_as(&mut self, path: &Path, around: &mut Around<'_>) {
+    pub(crate) fn save_as(&mut self, path: &Path, around: &mut Around) {
         let ending = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("marey"));
         let path = if ending { path.to_owned() } else { texts::with_session_ending(path) };
         let before = self.document.path();
@@ -459,11 +449,11 @@ impl CreatureDoor {
     }
 
     /// What a dropped or chosen file is for here; false for what opens another document.
-    pub(crate) fn take_file(&mut self, path: &Path, around: &mut Around<'_>) -> bool {
+    pub(crate) fn take_file(&mut self, path: &Path, around: &mut Around) -> bool {
         if !path.extension().is_some_and(|e| e.eq_ignore_ascii_case("json")) {
             return false;
         }
-        let taken = self.document.take_strokes(around.context, &path.to_string_lossy());
+        let taken = self.document.take_strokes(&around.context, &path.to_string_lossy());
         around.notices.check(taken);
         self.selected = None;
         self.follow();
@@ -489,7 +479,7 @@ impl CreatureDoor {
         })
     }
 
-    fn show_export(&mut self, ui: &Ui, around: &mut Around<'_>) {
+    fn show_export(&mut self, ui: &Ui, around: &mut Around) {
         let Some(mut dialog) = self.export.take() else { return };
         let Some(exported) = self.exported() else { return };
         let (settings, home) = (&mut around.preferences.export, &around.places.home);
@@ -513,7 +503,7 @@ impl CreatureDoor {
         }
     }
 
-    fn start_export(&mut self, path: &Path, around: &mut Around<'_>) {
+    fn start_export(&mut self, path: &Path, around: &mut Around) {
         if self.running.as_ref().is_some_and(|r| r.purpose != Purpose::Track) {
             around.notices.failed(texts::BUSY);
             return;
@@ -522,7 +512,7 @@ impl CreatureDoor {
             around.notices.failed(texts::MAKE_FIRST);
             return;
         };
-        let started = around.preferences.export.start(around.context, &exported, path);
+        let started = around.preferences.export.start(&around.context, &exported, path);
         if let Some((job, purpose)) = around.notices.check(started) {
             around.preferences.export.folder = path.parent().map(Path::to_owned);
             self.running = Some(Running::new(job, purpose));

@@ -9,6 +9,7 @@
 //! dialogs have threads of their own, so that no frame of the window waits for any of them.
 
 mod app;
+mod around;
 mod background;
 mod canvas;
 mod creature_door;

@@ -98,6 +98,12 @@ fn a_clip_becomes_a_creature_and_a_file() {
     desk.wait("the export", |s| s.open().is_some_and(|o| !o.is_busy()));
     assert!(file.exists());
 
+    keys(&mut desk, CTRL, Key::E);
+    desk.click("glTF (.glb)");
+    desk.click("Export");
+    desk.wait("the export", |s| s.open().is_some_and(|o| !o.is_busy()));
+    assert_eq!(&std::fs::read(desk.home().join("bar.glb")).unwrap()[..4], b"glTF");
+
     // A correction is followed by itself, and the creature can be made again.
     keys(&mut desk, Modifiers::NONE, Key::Home);
     keys(&mut desk, Modifiers::NONE, Key::Space);
