@@ -18,7 +18,15 @@ struct Shared {
     cancelled: AtomicBool,
     /// Bits of an f64 in 0..=1; such bits order like the numbers, so `fetch_max` keeps it from going backwards.
     fraction: AtomicU64,
-    stage: Mutex<&'static str>,
+    stage: Mutex<Named>,
+}
+
+/// The stage that was named last, and its share of the whole.
+#[derive(Clone, Copy, Debug, Default)]
+struct Named {
+    name: &'static str,
+    from: f64,
+    to: f64,
 }
 
 impl Progress {
@@ -44,6 +52,17 @@ impl Progress {
 
     /// The name of the current stage, a word or two for a person; empty before the first.
     pub fn stage_name(&self) -> &'static str {
+        self.named().name
+    }
+
+    /// The share of the current stage that is done, in 0..=1; begins anew with each stage.
+    pub fn stage_fraction(&self) -> f64 {
+        let Named { from, to, .. } = self.named();
+        let share = (self.fraction() - from) / (to - from);
+        if share.is_finite() { share.clamp(0.0, 1.0) } else { 0.0 }
+    }
+
+    fn named(&self) -> Named {
         *self.0.stage.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
     }
 
@@ -70,7 +89,8 @@ impl Stage<'_> {
 
     /// Names what is being done.
     pub fn name(&self, name: &'static str) -> Result<()> {
-        *self.progress.0.stage.lock().unwrap_or_else(std::sync::PoisonError::into_inner) = name;
+        *self.progress.0.stage.lock().unwrap_or_else(std::sync::PoisonError::into_inner) =
+            Named { name, from: self.from, to: self.to };
         self.at(0.0)
     }
 
@@ -95,6 +115,11 @@ mod tests {
         assert_eq!(progress.fraction(), 0.75);
         second.at(0.1).expect("not cancelled");
         assert_eq!(progress.fraction(), 0.75);
+        assert_eq!((progress.stage_name(), progress.stage_fraction()), ("", 0.0));
+        second.part(0.5, 1.0).name("last").expect("not cancelled");
+        assert_eq!(progress.stage_fraction(), 0.0);
+        second.at(0.75).expect("not cancelled");
+        assert_eq!((progress.stage_name(), progress.stage_fraction()), ("last", 0.5));
         progress.cancel();
         assert!(matches!(second.at(0.9), Err(Error::Cancelled)));
     }

@@ -51,13 +51,15 @@ pub struct mry_job_state {
     pub revision: u64,
     /// What is being done, a word or two, NUL-terminated: "waiting" before the job's turn.
     pub stage: [c_char; 48],
+    /// The share of that stage that is done, 0..1; begins anew with each stage.
+    pub stage_fraction: f64,
 }
 
 // SAFETY: repr(C), starts with its u32 size, and holds numbers only.
 unsafe impl Versioned for mry_job_state {
     const FIRST_SIZE: usize = 72;
 }
-const _: () = assert!(size_of::<mry_job_state>() == 72);
+const _: () = assert!(size_of::<mry_job_state>() == 80);
 
 /// Fills in a job state with struct_size set and everything else zero, for languages without the INIT macros.
 ///
@@ -88,8 +90,14 @@ pub unsafe extern "C" fn mry_job_poll(
     entry!(context, err, |call| {
         let out = OutStruct::new(out_state, "out_state")?;
         let (now, revision) = call.job(job)?.poll();
-        let mut state =
-            mry_job_state { struct_size: 0, status: now.status, fraction: now.fraction, revision, stage: [0; 48] };
+        let mut state = mry_job_state {
+            struct_size: 0,
+            status: now.status,
+            fraction: now.fraction,
+            revision,
+            stage: [0; 48],
+            stage_fraction: now.stage_fraction,
+        };
         copy_text(now.stage, &mut state.stage);
         out.set(&state);
         Ok(Code::MRY_OK)

@@ -63,6 +63,7 @@ pub(crate) struct Told {
     pub(crate) status: mry_status,
     pub(crate) fraction: f64,
     pub(crate) stage: &'static str,
+    pub(crate) stage_fraction: f64,
 }
 
 /// A job, shared by its id and the thread that runs it.
@@ -103,7 +104,12 @@ impl Job {
         };
         let stage = if waiting { "waiting" } else { self.progress.stage_name() };
         let fraction = if status == Code::MRY_OK as mry_status { 1.0 } else { self.progress.fraction() };
-        let now = Told { status, fraction, stage };
+        let stage_fraction = match stage {
+            _ if waiting => 0.0,
+            _ if status == Code::MRY_OK as mry_status => 1.0,
+            _ => self.progress.stage_fraction(),
+        };
+        let now = Told { status, fraction, stage, stage_fraction };
         let mut told = lock(&self.told);
         if told.0 != Some(now) {
             *told = (Some(now), told.1 + 1);

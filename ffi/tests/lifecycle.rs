@@ -39,7 +39,9 @@ fn a_job_runs_is_polled_and_gives_its_result_once() {
         let status = unsafe { mry_job_wait(f.context, job, 1_000_000, ptr::null_mut()) };
         let now = poll(&f, job);
         assert!(now.fraction >= last.fraction && now.revision >= last.revision);
-        let same = now.fraction == last.fraction && now.status == last.status && now.stage == last.stage;
+        let of = |s: &mry_job_state| (s.fraction, s.stage_fraction, s.status, s.stage);
+        let same = of(&now) == of(&last);
+        assert!((0.0..=1.0).contains(&now.stage_fraction));
         assert_eq!(now.revision == last.revision, same, "the revision rises with every change, and only then");
         last = now;
         if status == OK {
@@ -47,7 +49,8 @@ fn a_job_runs_is_polled_and_gives_its_result_once() {
         }
         assert_eq!(status, code(MRY_PENDING));
     }
-    assert_eq!((poll(&f, job).status, poll(&f, job).fraction), (OK, 1.0));
+    let ended = poll(&f, job);
+    assert_eq!((ended.status, ended.fraction, ended.stage_fraction), (OK, 1.0, 1.0));
     let mut err = error();
     assert_eq!(unsafe { mry_job_take_motion(f.context, job, &mut motion, &mut err) }, OK);
     let mut again = mry_motion { v: 7 };

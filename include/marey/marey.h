@@ -108,7 +108,7 @@
 #define MRY_MOTION_USE_INIT { (uint32_t)sizeof(mry_motion_use), 0.0f, 0.0f, 0.0f, 0, 0, 0 }
 #define MRY_SKETCH_TAKE_DESC_INIT { (uint32_t)sizeof(mry_sketch_take_desc), 0, { 0 }, { 0 }, NULL, 0 }
 #define MRY_SKETCH_TAKE_INFO_INIT { (uint32_t)sizeof(mry_sketch_take_info), 0, 0, 0.0, { 0.0f, 0.0f }, { 0.0f, 0.0f } }
-#define MRY_JOB_STATE_INIT { (uint32_t)sizeof(mry_job_state), 0, 0.0, 0, { 0 } }
+#define MRY_JOB_STATE_INIT { (uint32_t)sizeof(mry_job_state), 0, 0.0, 0, { 0 }, 0.0 }
 #define MRY_TRACK_DESC_INIT { (uint32_t)sizeof(mry_track_desc), 0, { 0 }, { 0 }, { NULL, 0 }, { 0 }, { 0 } }
 #define MRY_CAPTURE_DESC_INIT { (uint32_t)sizeof(mry_capture_desc), 0, { 0 }, { 0 }, { 0 }, { 0 } }
 #define MRY_POINT_TRACK_DESC_INIT { (uint32_t)sizeof(mry_point_track_desc), 0, { 0 }, { 0 } }
@@ -1627,6 +1627,8 @@ typedef struct mry_job_state {
   uint64_t revision;
   /** What is being done, a word or two, NUL-terminated: "waiting" before the job's turn. */
   char stage[48];
+  /** The share of that stage that is done, 0..1; begins anew with each stage. */
+  double stage_fraction;
 } mry_job_state;
 
 /** What to track. Start from MRY_TRACK_DESC_INIT; clip and rig must be set. */

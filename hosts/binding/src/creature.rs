@@ -2,7 +2,7 @@
 
 use marey_ffi::mry_creature;
 
-use crate::{Context, Masks, Motion, Result, sys};
+use crate::{Context, Job, Masks, Motion, Result, sys};
 
 /// A reconstructed creature.
 #[derive(Debug)]
@@ -82,6 +82,38 @@ impl Creature {
     /// Writes everything into a folder, whole or not at all.
     pub fn write_folder(&self, folder: &str, write_obj: bool, scale: f32) -> Result<()> {
         sys::creature_write_folder(&self.context.0, self.id, folder, write_obj, scale)
+    }
+}
+
+/// What is written of a creature.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(i32)]
+pub enum CreatureFile {
+    /// One glTF binary.
+    Glb = 1,
+    /// A folder of meshes, one a frame.
+    Obj = 2,
+    /// A GIF of the clip with limbs and masks over it.
+    Overlay = 3,
+    /// A GIF of the creature, as filmed and from another side.
+    Preview = 4,
+    /// A folder with everything.
+    Folder = 5,
+}
+
+impl Context {
+    /// Starts writing a creature, whole or not at all. `write_obj` is for [`CreatureFile::Folder`]; `scale` is metres a
+    /// world unit, 0 for 1.
+    pub fn start_export(
+        &self,
+        creature: &Creature,
+        what: CreatureFile,
+        path: &str,
+        write_obj: bool,
+        scale: f32,
+    ) -> Result<Job> {
+        let id = sys::start_export(&self.0, creature.id, what as i32, path, (write_obj, scale))?;
+        Ok(Job { id, context: self.clone() })
     }
 }
 

@@ -73,6 +73,8 @@ pub struct JobState {
     pub fraction: f64,
     /// What is being done.
     pub stage: String,
+    /// The share of that stage that is done, 0..=1.
+    pub stage_fraction: f64,
     /// Rises whenever anything else here has changed.
     pub revision: u64,
 }
@@ -85,6 +87,7 @@ impl Job {
             ended: state.status != mry_status_code::MRY_PENDING as i32,
             fraction: state.fraction,
             stage: sys::text(&state.stage),
+            stage_fraction: state.stage_fraction,
             revision: state.revision,
         })
     }

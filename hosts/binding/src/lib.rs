@@ -47,7 +47,7 @@ pub use character::{
 pub use clip::{Clip, ClipInfo};
 pub use context::Context;
 pub use control_points::ControlPoints;
-pub use creature::{Creature, CreatureInfo, CreatureLimb, ReposeOptions};
+pub use creature::{Creature, CreatureFile, CreatureInfo, CreatureLimb, ReposeOptions};
 pub use creature_surface::{EditedMesh, Texture, TextureOptions};
 pub use crowd::{Crowd, CrowdInfo, Instance, Play};
 pub use deformation::{Deformation, Handle};
@@ -62,7 +62,7 @@ pub use parameter::{Parameter, ParameterKind};
 pub use plugin::{Plugin, PluginKind, PluginOptions, PluginParameter, PluginParameterKind};
 pub use print::{PrintOptions, PrintSize, Solid, SolidInfo, SolidMesh};
 pub use render::{Adapter, Camera, RenderFileOptions, RenderOptions, Style};
-pub use rig::{Facing, Rig, Side};
+pub use rig::{Facing, Limb, Rig, Side, Stroke};
 pub use session::{Access, Session, SessionState};
 pub use sketch::{
     BindOptions, Binding, BindingInfo, BoundPoint, MotionUse, PathElement, SketchFileOptions, SketchTake,

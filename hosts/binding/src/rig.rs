@@ -5,6 +5,7 @@ use marey_ffi::{
     MRY_SIDE_UNKNOWN, mry_clip, mry_point, mry_rig,
 };
 
+use crate::session::found;
 use crate::{Clip, Context, Result, sys};
 
 /// Limbs, strokes and key frames.
@@ -38,7 +39,34 @@ pub enum Facing {
     Away,
 }
 
+/// A limb as it is named.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Limb {
+    /// The user's name for it.
+    pub label: String,
+    /// Which of a pair it is.
+    pub side: Side,
+}
+
+/// A limb as it is drawn on a frame.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Stroke {
+    /// Places in clip pixels, from the limb's start to its end.
+    pub points: Vec<(f32, f32)>,
+    /// Whether it leaves the image plane.
+    pub facing: Facing,
+}
+
 impl Side {
+    pub(crate) fn of(code: i32) -> Self {
+        match code {
+            MRY_SIDE_NEAR => Self::Near,
+            MRY_SIDE_FAR => Self::Far,
+            MRY_SIDE_MID => Self::Mid,
+            _ => Self::Unknown,
+        }
+    }
+
     pub(crate) fn code(self) -> i32 {
         match self {
             Self::Unknown => MRY_SIDE_UNKNOWN,
@@ -50,6 +78,14 @@ impl Side {
 }
 
 impl Facing {
+    pub(crate) fn of(code: i32) -> Self {
+        match code {
+            MRY_FACING_TOWARD => Self::Toward,
+            MRY_FACING_AWAY => Self::Away,
+            _ => Self::Unknown,
+        }
+    }
+
     pub(crate) fn code(self) -> i32 {
         match self {
             Self::Unknown => MRY_FACING_UNKNOWN,
@@ -89,6 +125,29 @@ impl Rig {
     /// Takes a limb's stroke off a frame.
     pub fn remove_stroke(&self, limb: u32, frame: u64) -> Result<()> {
         sys::rig_remove_stroke(&self.context.0, self.id, limb, frame)
+    }
+
+    /// Its limbs, by index.
+    pub fn limbs(&self) -> Result<Vec<Limb>> {
+        let limb = |limb| {
+            let (label, side) = sys::rig_limb(&self.context.0, self.id, limb)?;
+            Ok(Limb { label, side: Side::of(side) })
+        };
+        (0..sys::rig_limb_count(&self.context.0, self.id)?).map(limb).collect()
+    }
+
+    /// The frames that something is drawn on, rising.
+    pub fn key_frames(&self) -> Result<Vec<u64>> {
+        sys::rig_key_frames(&self.context.0, self.id)
+    }
+
+    /// A limb's stroke on a frame; [`None`] where it is not drawn there.
+    pub fn stroke(&self, limb: u32, frame: u64) -> Result<Option<Stroke>> {
+        let drawn = found(sys::rig_stroke(&self.context.0, self.id, limb, frame))?;
+        Ok(drawn.map(|(points, facing)| Stroke {
+            points: points.iter().map(|p| (p.x, p.y)).collect(),
+            facing: Facing::of(facing),
+        }))
     }
 
     /// The longest drawn length of a limb, in clip pixels.

@@ -239,6 +239,33 @@ pub(crate) fn rig_remove_stroke(handle: &Handle, rig: mry_rig, limb: u32, frame:
     call!(mry_rig_remove_stroke(handle, rig, limb, frame)).map(drop)
 }
 
+pub(crate) fn rig_limb_count(handle: &Handle, rig: mry_rig) -> Result<u32> {
+    let mut count = 0;
+    call!(mry_rig_get_limb_count(handle, rig, &mut count))?;
+    Ok(count)
+}
+
+/// Label and side.
+pub(crate) fn rig_limb(handle: &Handle, rig: mry_rig, limb: u32) -> Result<(String, i32)> {
+    let mut side = 0;
+    let label =
+        sized_text(|text, capacity, size| call!(mry_rig_get_limb(handle, rig, limb, text, capacity, size, &mut side)))?;
+    Ok((label, side))
+}
+
+pub(crate) fn rig_key_frames(handle: &Handle, rig: mry_rig) -> Result<Vec<u64>> {
+    sized_list(|frames, capacity, count| call!(mry_rig_get_keyframes(handle, rig, frames, capacity, count)))
+}
+
+/// Points and facing.
+pub(crate) fn rig_stroke(handle: &Handle, rig: mry_rig, limb: u32, frame: u64) -> Result<(Vec<mry_point>, i32)> {
+    let mut facing = 0;
+    let points = sized_list(|points, capacity, count| {
+        call!(mry_rig_get_stroke(handle, rig, limb, frame, points, capacity, count, &mut facing))
+    })?;
+    Ok((points, facing))
+}
+
 pub(crate) fn rig_length_hint(handle: &Handle, rig: mry_rig, limb: u32) -> Result<f32> {
     let mut length = 0.0;
     call!(mry_rig_get_length_hint(handle, rig, limb, &mut length))?;
@@ -313,6 +340,21 @@ pub(crate) fn start_creature(
     };
     let mut job = mry_job::default();
     call!(mry_job_start_creature(handle, &desc, &mut job))?;
+    Ok(job)
+}
+
+pub(crate) fn start_export(
+    handle: &Handle,
+    creature: mry_creature,
+    what: i32,
+    path: &str,
+    (write_obj, scale): (bool, f32),
+) -> Result<mry_job> {
+    let mut desc = sized!(mry_export_desc_init, mry_export_desc);
+    (desc.what, desc.creature, desc.path) = (what, creature, str(path));
+    (desc.write_obj, desc.scale) = (u32::from(write_obj), scale);
+    let mut job = mry_job::default();
+    call!(mry_job_start_export(handle, &desc, &mut job))?;
     Ok(job)
 }
 

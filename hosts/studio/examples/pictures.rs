@@ -1,0 +1,104 @@
+//! Pictures of the studio's screens: those of its page in the docs, or `all`, light and dark.
+//!
+//! `cargo run --release -p marey-studio --example pictures -- docs/pictures`
+#![allow(clippy::print_stdout, reason = "it is what this is for")]
+#![allow(clippy::unwrap_used, reason = "a picture that cannot be made has failed")]
+
+#[path = "../tests/common/mod.rs"]
+mod common;
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use common::Desk;
+use egui_kittest::kittest::Queryable as _;
+use image::codecs::jpeg::JpegEncoder;
+use marey_studio::egui::{Key, Modifiers, Theme};
+
+/// What the page shows.
+const DOCS: [&str; 4] = ["start", "drawing", "creature", "export"];
+
+fn main() {
+    let folder = PathBuf::from(std::env::args().nth(1).unwrap_or_else(|| ".".into()));
+    let all = std::env::args().nth(2).is_some_and(|a| a == "all");
+    for (theme, ending) in [(Theme::Dark, ""), (Theme::Light, "-light")] {
+        if theme == Theme::Light && !all {
+            continue;
+        }
+        let mut desk = Desk::in_folder(Arc::new(tempfile::tempdir().unwrap()), theme);
+        let save = |desk: &mut Desk, name: &str| {
+            if !(all || DOCS.contains(&name)) {
+                return;
+            }
+            desk.harness.run_steps(4);
+            let path = folder.join(format!("studio-{name}{ending}.jpg"));
+            // The frame that the harness lays around everything.
+            let (picture, edge) = (desk.harness.render().unwrap(), 8);
+            let (width, height) = (picture.width() - 2 * edge, picture.height() - 2 * edge);
+            let picture = image::imageops::crop_imm(&picture, edge, edge, width, height).to_image();
+            let file = std::fs::File::create(&path).unwrap();
+            let picture = image::DynamicImage::from(picture).to_rgb8();
+            // Half a dozen times smaller than PNG, and letters are still clean.
+            picture.write_with_encoder(JpegEncoder::new_with_quality(file, 88)).unwrap();
+            println!("{}", path.display());
+        };
+        if theme == Theme::Light {
+            desk.harness.step();
+            desk.harness.key_press_modifiers(Modifiers::COMMAND, Key::L);
+        }
+        desk.rest(1200);
+        save(&mut desk, "start");
+        // Drawing, in the middle of a leg.
+        let clip = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../data/fox/clip.mp4");
+        desk.drop_file(&clip);
+        desk.wait_open();
+        desk.rest(1500);
+        save(&mut desk, "empty");
+        desk.draw(&[(315.0, 245.0), (370.0, 252.0), (425.0, 257.0)]);
+        desk.draw(&[(425.0, 257.0), (470.0, 246.0), (515.0, 234.0)]);
+        desk.draw(&[(315.0, 245.0), (285.0, 238.0), (240.0, 270.0), (190.0, 298.0), (162.0, 299.0)]);
+        let leg = [(317.0, 246.0), (335.0, 285.0), (300.0, 305.0), (262.0, 312.0)];
+        desk.press_along(&leg);
+        save(&mut desk, "drawing");
+        desk.harness.drop_at(desk.harness.state().open().unwrap().on_screen(leg[3]));
+        desk.harness.run_steps(3);
+        desk.click("To the start");
+        desk.rest(300);
+        save(&mut desk, "again");
+        desk.click("Open the sample: a fox that walks");
+        desk.wait_open();
+        desk.wait("thumbnails", |s| s.open().is_some_and(|o| o.is_busy()));
+        desk.rest(1500);
+        save(&mut desk, "making");
+        desk.wait("the creature", |s| s.open().is_some_and(|o| o.has_creature() && o.pictures() > 0));
+        desk.harness.key_press(Key::Space);
+        desk.harness.run_steps(3);
+        desk.harness.key_press(Key::Home);
+        for _ in 0..23 {
+            desk.harness.key_press(Key::Period);
+        }
+        desk.click("Draw hind_near");
+        desk.rest(1500);
+        save(&mut desk, "creature");
+        desk.harness.key_press(Key::Num3);
+        desk.harness.key_press(Key::Num4);
+        desk.harness.key_press(Key::V);
+        desk.harness.key_press(Key::V);
+        desk.rest(1500);
+        save(&mut desk, "overlays");
+        desk.click("Export…");
+        desk.click("Animated WebP");
+        desk.click("File");
+        desk.harness.key_press_modifiers(Modifiers::COMMAND, Key::A);
+        desk.harness.step();
+        desk.harness.get_by_label("File").type_text("/home/ada/Pictures/A fox that walks.webp");
+        desk.harness.step();
+        desk.harness.key_press(Key::Enter);
+        desk.rest(1500);
+        save(&mut desk, "export");
+        desk.harness.key_press(Key::Escape);
+        desk.harness.run_steps(3);
+        desk.harness.key_press_modifiers(Modifiers::NONE, Key::F1);
+        save(&mut desk, "keys");
+    }
+}

@@ -1,0 +1,365 @@
+//! The whole program but for its window: one screen at a time, what lies over all of them, and what is remembered.
+
+use std::path::{Path, PathBuf};
+
+use eframe::egui::{self, Align, Frame, Label, Layout, Margin, Panel, RichText, Ui};
+use marey_binding::{Access, Context};
+
+use crate::around::Around;
+use crate::creature_door::CreatureDoor;
+use crate::icons::Icon;
+use crate::notices::Notices;
+use crate::opening::{Opening, Source};
+use crate::picker::{Ask, Picker};
+use crate::preferences::{Appearance, Preferences};
+use crate::shortcuts::{self, Command};
+use crate::start::{self, Start};
+use crate::theme::{self, Palette};
+use crate::{Places, help, texts, widgets};
+
+enum Screen {
+    /// What there is to open is found out when it is shown.
+    Start(Option<Box<Start>>),
+    Opening(Opening),
+    Creature(Box<CreatureDoor>),
+}
+
+/// The program.
+pub struct Studio {
+    around: Around,
+    /// The preferences as they were written last.
+    written: Preferences,
+    screen: Screen,
+    /// To be opened as soon as there is a window.
+    first: Option<Source>,
+    help: bool,
+    set_up: bool,
+}
+
+impl Studio {
+    /// # Errors
+    /// The library does not start; for a person.
+    pub fn new(places: Places) -> Result<Self, String> {
+        let context = Context::new(0).map_err(|e| e.to_string())?;
+        let preferences = Preferences::read(&places.preferences);
+        let written = preferences.clone();
+        let (notices, picker) = (Notices::default(), Picker::default());
+        Ok(Self {
+            around: Around { context, places, preferences, notices, picker },
+            written,
+            screen: Screen::Start(None),
+            first: None,
+            help: false,
+            set_up: false,
+        })
+    }
+
+    /// Opens a clip or a session when the window is drawn next.
+    pub fn open_file(&mut self, path: &Path) {
+        // A session refers to its clip by where it is, not by where the program was started.
+        self.first = Some(Source::of_path(&std::path::absolute(path).unwrap_or_else(|_| path.to_owned())));
+    }
+
+    /// Draws everything, and does what was asked for. Call it for every picture of the window.
+    pub fn ui(&mut self, ui: &mut Ui) {
+        if !self.set_up {
+            theme::apply(ui.ctx());
+            theme::set_light(ui.ctx(), self.around.preferences.light);
+            self.set_up = true;
+            // The style of this picture was taken before.
+            ui.set_style(ui.ctx().global_style());
+        }
+        self.receive(ui);
+        for command in shortcuts::pressed(ui.ctx()) {
+            self.command(command, ui.ctx());
+        }
+        self.bar(ui);
+        match &mut self.screen {
+            Screen::Start(start) => {
+                let recent = &self.around.preferences.recent;
+                let start = start.get_or_insert_with(|| {
+                    Box::new(Start::new(ui.ctx(), &self.around.context, &self.around.places, recent))
+                });
+                if let Some(asked) = start.show(ui) {
+                    self.begin(asked, ui.ctx());
+                }
+            }
+            Screen::Opening(opening) => waiting(ui, &opening.source),
+            Screen::Creature(door) => {
+                door.show(ui, &mut self.around);
+            }
+        }
+        if self.help {
+            self.help = help::show(ui.ctx());
+        }
+        drop_target(ui);
+        self.around.notices.show(ui.ctx());
+        if self.around.preferences != self.written {
+            self.written = self.around.preferences.clone();
+            self.around.notices.check(
+                self.around.preferences.write(&self.around.places.preferences).map_err(|e| texts::no_memory(&e)),
+            );
+        }
+    }
+
+    /// Leaves everything as it should be found again. What is open is kept.
+    pub fn close(&mut self) {
+        self.leave();
+        // There is nobody left to tell.
+        let _ = self.around.preferences.write(&self.around.places.preferences);
+    }
+
+    /// Every line that the program has to say now.
+    pub fn notices(&self) -> Vec<String> {
+        self.around.notices.texts().map(str::to_owned).collect()
+    }
+
+    /// What is open, for tests and measurements.
+    pub fn open(&self) -> Option<Open<'_>> {
+        match &self.screen {
+            Screen::Creature(door) => Some(Open(door)),
+            _ => None,
+        }
+    }
+
+    /// What came from other threads and from outside.
+    fn receive(&mut self, ui: &Ui) {
+        if let Some(source) = self.first.take() {
+            self.open_source(source, ui.ctx());
+        }
+        let dropped: Vec<PathBuf> =
+            ui.input(|i| i.raw.dropped_files.iter().map(|file| file.path().to_owned()).collect());
+        for path in dropped {
+            self.take_file(&path, ui.ctx());
+        }
+        if let Some((ask, path)) = self.around.picker.answer() {
+            match (ask, &mut self.screen) {
+                (Ask::Clip | Ask::Session, _) => self.take_file(&path, ui.ctx()),
+                (Ask::SaveAs { .. }, Screen::Creature(_)) => self.with_door(|door, around| door.save_as(&path, around)),
+                (Ask::ExportFile { .. }, Screen::Creature(door)) => door.set_export_path(&path),
+                (Ask::ExportFolder { .. }, Screen::Creature(_)) => self.with_door(|door, around| {
+                    around.preferences.export.folder = Some(path.clone());
+                    let name = crate::export::path_for(&around.preferences.export, &path, &door.document.title);
+                    door.set_export_path(&name);
+                }),
+                _ => {}
+            }
+        }
+        if let Screen::Opening(opening) = &self.screen
+            && let Some(answer) = opening.answer()
+        {
+            self.screen = Screen::Start(None);
+            if let Some(mut document) = self.around.notices.check(answer) {
+                if let Some(path) = document.path() {
+                    // A session without a name keeps what it was called for its clip, through a crash too.
+                    if document.state.untitled
+                        && let Some(title) = self.around.preferences.title(&path)
+                    {
+                        document.title = title.to_owned();
+                    }
+                    self.around.preferences.remember(&path, &document.title);
+                }
+                self.screen = Screen::Creature(Box::new(CreatureDoor::new(ui.ctx(), document, &mut self.around)));
+            }
+        }
+    }
+
+    fn take_file(&mut self, path: &Path, gui: &egui::Context) {
+        let mut taken = false;
+        self.with_door(|door, around| taken = door.take_file(path, around));
+        if !taken {
+            self.open_source(Source::of_path(path), gui);
+        }
+    }
+
+    fn with_door(&mut self, act: impl FnOnce(&mut CreatureDoor, &mut Around)) {
+        if let Screen::Creature(door) = &mut self.screen {
+            act(door, &mut self.around);
+        }
+    }
+
+    fn open_source(&mut self, source: Source, gui: &egui::Context) {
+        self.leave();
+        self.screen = Screen::Opening(Opening::start(gui, &self.around.context, &self.around.places, source));
+    }
+
+    fn leave(&mut self) {
+        if let Screen::Creature(door) = std::mem::replace(&mut self.screen, Screen::Start(None)) {
+            door.leave(&mut self.around);
+        }
+    }
+
+    fn begin(&mut self, asked: start::Asked, gui: &egui::Context) {
+        match asked {
+            start::Asked::PickClip => self.around.picker.ask(gui, Ask::Clip),
+            start::Asked::PickSession => self.around.picker.ask(gui, Ask::Session),
+            start::Asked::Open(source) => self.open_source(source, gui),
+            start::Asked::Discard(path) => {
+                let session = self.around.context.open_session(&path.to_string_lossy(), Access::Edit);
+                self.around.notices.check(session.and_then(marey_binding::Session::discard));
+                self.around.preferences.forget(&path);
+                self.screen = Screen::Start(None);
+            }
+            start::Asked::Forget(path) => {
+                self.around.preferences.forget(&path);
+                self.screen = Screen::Start(None);
+            }
+        }
+    }
+
+    fn command(&mut self, command: Command, gui: &egui::Context) {
+        match command {
+            Command::OpenClip => self.around.picker.ask(gui, Ask::Clip),
+            Command::Open => self.around.picker.ask(gui, Ask::Session),
+            Command::Help => self.help = true,
+            Command::Light => {
+                let light = if gui.theme() == egui::Theme::Dark { Appearance::Light } else { Appearance::Dark };
+                self.around.preferences.light = light;
+                theme::set_light(gui, light);
+            }
+            Command::Start => self.leave(),
+            _ => self.with_door(|door, around| door.command(command, gui, around)),
+        }
+    }
+
+    /// Where one is, what can be undone, and what comes next.
+    fn bar(&mut self, ui: &mut Ui) {
+        let palette = Palette::of(ui);
+        let frame = Frame::new().fill(palette.panel).inner_margin(Margin::symmetric(theme::PAD, 8));
+        let mut commands = Vec::new();
+        Panel::top("bar").frame(frame).exact_size(48.0).show(ui, |ui| {
+            ui.horizontal_centered(|ui| {
+                let mut button = |ui: &mut Ui, on: bool, icon: Icon, text: &str, command: Command| {
+                    ui.add_enabled_ui(on, |ui| {
+                        if widgets::command_button(ui, icon, text, command) {
+                            commands.push(command);
+                        }
+                    });
+                };
+                if let Screen::Creature(door) = &self.screen {
+                    let document = &door.document;
+                    button(ui, true, Icon::Home, texts::TO_START, Command::Start);
+                    ui.label(RichText::new(&document.title).size(16.0).strong());
+                    saved(ui, door);
+                    ui.add_space(12.0);
+                    let undo = texts::with_what(texts::UNDO, document.undo());
+                    button(ui, document.undo().is_some(), Icon::Undo, &undo, Command::Undo);
+                    let redo = texts::with_what(texts::REDO, document.redo.as_deref());
+                    button(ui, document.redo.is_some(), Icon::Redo, &redo, Command::Redo);
+                }
+                ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+                    let mut button = |ui: &mut Ui, icon: Icon, text: &str, command: Command| {
+                        if widgets::command_button(ui, icon, text, command) {
+                            commands.push(command);
+                        }
+                    };
+                    button(ui, Icon::Help, texts::SHORTCUTS, Command::Help);
+                    button(ui, Icon::Sun, texts::LIGHT, Command::Light);
+                    ui.add_space(8.0);
+                    self.with_door(|door, around| door.show_steps(ui, around));
+                });
+            });
+        });
+        for command in commands {
+            self.command(command, ui.ctx());
+        }
+    }
+}
+
+/// What is open in a [`Studio`].
+pub struct Open<'a>(&'a CreatureDoor);
+
+impl Open<'_> {
+    /// The limbs' labels.
+    pub fn limbs(&self) -> Vec<String> {
+        self.0.document.limbs.iter().map(|l| l.label.clone()).collect()
+    }
+
+    /// The frames that are drawn on.
+    pub fn key_frames(&self) -> &[u64] {
+        &self.0.document.keys
+    }
+
+    /// A limb's stroke on a frame, in clip pixels.
+    pub fn stroke(&self, limb: usize, frame: u64) -> Option<&[(f32, f32)]> {
+        self.0.document.stroke(limb, frame).map(|s| &s.points[..])
+    }
+
+    /// The frame that is shown.
+    pub fn frame(&self) -> u64 {
+        self.0.playback.frame()
+    }
+
+    /// Whether it plays.
+    pub fn playing(&self) -> bool {
+        self.0.playback.playing()
+    }
+
+    /// The limb that is drawn next; none for a new one.
+    pub fn selected(&self) -> Option<usize> {
+        self.0.selected
+    }
+
+    /// Whether a job runs.
+    pub fn is_busy(&self) -> bool {
+        self.0.is_busy()
+    }
+
+    /// Whether there is a creature.
+    pub fn has_creature(&self) -> bool {
+        self.0.has_creature()
+    }
+
+    /// Whether limbs are to be tracked, for the first time or again.
+    pub fn is_motion_outdated(&self) -> bool {
+        self.0.document.state.motion_outdated
+    }
+
+    /// Where a place of the clip is on the screen.
+    pub fn on_screen(&self, at: (f32, f32)) -> egui::Pos2 {
+        self.0.on_screen(at)
+    }
+
+    /// How many pictures the 3D view has shown.
+    pub fn pictures(&self) -> u64 {
+        self.0.pictures()
+    }
+}
+
+/// Whether all of it is in a file of the user's, in a word.
+fn saved(ui: &mut Ui, door: &CreatureDoor) {
+    let palette = Palette::of(ui);
+    let state = &door.document.state;
+    let (text, color) = match (state.untitled, state.modified) {
+        (true, _) => (texts::NOT_SAVED, palette.weak),
+        (false, true) => (texts::MODIFIED, palette.weak),
+        (false, false) => (texts::SAVED, palette.good),
+    };
+    ui.label(RichText::new(text).size(12.0).color(color)).on_hover_text(texts::SAVED_HINT);
+}
+
+fn waiting(ui: &mut Ui, source: &Source) {
+    egui::CentralPanel::default().show(ui, |ui| {
+        ui.vertical_centered(|ui| {
+            ui.add_space(ui.available_height() * 0.4);
+            ui.spinner();
+            ui.add_space(theme::GAP);
+            ui.add(Label::new(texts::opening(&source.name())));
+        });
+    });
+}
+
+/// Says that what is held over the window can be let go.
+fn drop_target(ui: &Ui) {
+    if ui.input(|i| i.raw.hovered_files.is_empty()) {
+        return;
+    }
+    let palette = Palette::of(ui);
+    let layer = egui::LayerId::new(egui::Order::Foreground, egui::Id::unique("drop"));
+    let painter = ui.ctx().layer_painter(layer);
+    let rect = ui.ctx().content_rect().shrink(12.0);
+    painter.rect_filled(rect, 12.0, palette.panel.gamma_multiply(0.9));
+    painter.rect_stroke(rect, 12.0, egui::Stroke::new(2.0, palette.accent), egui::StrokeKind::Inside);
+    let font = egui::FontId::proportional(24.0);
+    painter.text(rect.center(), egui::Align2::CENTER_CENTER, texts::DROP, font, palette.text);
+}

@@ -1,0 +1,521 @@
+//! The first door: a creature from a clip. Draw, make, look, export, on one screen.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use eframe::egui::{
+    Align, CentralPanel, Context as Gui, Frame, Label, Layout, Margin, Panel, Pos2, ProgressBar, Rect, RichText, Ui,
+    Vec2, vec2,
+};
+use marey_binding::{Creature, Masks};
+
+use crate::around::Around;
+use crate::canvas::{self, Canvas, Shown};
+use crate::document::Document;
+use crate::export::{self, ExportDialog, Exported};
+use crate::frames::Frames;
+use crate::limbs_panel::{self, LimbsPanel};
+use crate::picker::Ask;
+use crate::playback::Playback;
+use crate::running::{Ended, Purpose, Running};
+use crate::shortcuts::Command;
+use crate::theme::{self, Palette};
+use crate::timeline::{self, Timeline};
+use crate::view3d::View3d;
+use crate::{shortcuts, texts, widgets};
+
+/// A creature that was made, and the masks it was made of.
+#[derive(Debug)]
+struct Made {
+    creature: Arc<Creature>,
+    masks: Masks,
+}
+
+pub(crate) struct CreatureDoor {
+    pub(crate) document: Document,
+    frames: Option<Frames>,
+    canvas: Canvas,
+    limbs: LimbsPanel,
+    timeline: Timeline,
+    pub(crate) playback: Playback,
+    view3d: View3d,
+    /// The limb that is drawn next; none for a new one.
+    pub(crate) selected: Option<usize>,
+    running: Option<Running>,
+    made: Option<Made>,
+    export: Option<ExportDialog>,
+    /// Where the canvas was on the screen.
+    panel: Rect,
+}
+
+impl CreatureDoor {
+    pub(crate) fn new(gui: &Gui, document: Document, around: &mut Around) -> Self {
+        for warning in document.warnings().unwrap_or_default() {
+            around.notices.failed(warning);
+        }
+        if document.state.recovered > 0 {
+            around.notices.done(texts::recovered(document.state.recovered));
+        }
+        let fps = document.clip.as_ref().map_or(0.0, |(_, info)| info.fps);
+        let mut door = Self {
+            frames: None,
+            canvas: Canvas::default(),
+            limbs: LimbsPanel::default(),
+            timeline: Timeline::default(),
+            playback: Playback::new(document.frames(), fps, !around.preferences.once),
+            view3d: View3d::new(gui),
+            selected: None,
+            running: None,
+            made: None,
+            export: None,
+            panel: Rect::NOTHING,
+            document,
+        };
+        door.playback.seek(door.document.keys.first().copied().unwrap_or(0), 0.0);
+        if let Some((clip, info)) = &door.document.clip {
+            door.frames = Some(Frames::new(gui, clip.clone(), info));
+        }
+        // What is drawn already can be seen at once, made.
+        if !door.document.limbs.is_empty() && door.document.clip.is_some() {
+            door.make(around);
+        }
+        door
+    }
+
+    /// Whether a job runs.
+    pub(crate) fn is_busy(&self) -> bool {
+        self.running.is_some()
+    }
+
+    /// Whether there is a creature to look at.
+    pub(crate) fn has_creature(&self) -> bool {
+        self.made.is_some()
+    }
+
+    /// How many pictures the 3D view has shown.
+    pub(crate) fn pictures(&self) -> u64 {
+        self.view3d.pictures
+    }
+
+    /// Where a place of the clip is on the screen.
+    pub(crate) fn on_screen(&self, at: (f32, f32)) -> Pos2 {
+        self.canvas.view.place(self.panel, self.clip_size()).to_screen(at)
+    }
+
+    fn clip_size(&self) -> Vec2 {
+        self.document.clip.as_ref().map_or(Vec2::ZERO, |(_, i)| vec2(i.width as f32, i.height as f32))
+    }
+
+    /// Leaves the document as it should be found again: saved where it has a name, kept where it was worked on, and
+    /// gone where it was only opened.
+    pub(crate) fn leave(mut self, around: &mut Around) {
+        // A job has nothing to give to a session that is gone.
+        self.running = None;
+        let path = self.document.path();
+        if self.document.state.untitled && !self.document.is_worked_on() {
+            path.iter().for_each(|path| around.preferences.forget(path));
+            around.notices.check(self.document.discard());
+            return;
+        }
+        if let Some(path) = path {
+            around.preferences.remember(&path, &self.document.title);
+        }
+        if !self.document.state.untitled && self.document.state.modified {
+            around.notices.check(self.document.save());
+        }
+    }
+
+    /// Draws everything, and does what was asked for.
+    pub(crate) fn show(&mut self, ui: &mut Ui, around: &mut Around) {
+        self.watch(ui, around);
+        let now = ui.input(|i| i.time);
+        self.playback.advance(now);
+        if self.playback.playing() {
+            widgets::keep_moving(ui.ctx());
+        }
+        let frame = self.playback.frame();
+        if let Some(message) = self.frames.as_mut().and_then(|frames| frames.update(ui.ctx(), frame)) {
+            around.notices.failed(message);
+        }
+        let palette = Palette::of(ui);
+        let plain = Frame::new().fill(palette.panel).inner_margin(Margin::symmetric(theme::PAD, 8));
+
+        if self.running.is_some() {
+            Panel::top("progress").frame(plain).show(ui, |ui| self.progress(ui));
+        }
+        let timeline = Panel::bottom("timeline").frame(plain).resizable(false).show(ui, |ui| {
+            ui.set_min_height(timeline::HEIGHT - 36.0);
+            self.timeline.show(ui, &self.document, self.frames.as_ref(), &self.playback)
+        });
+        let limbs = Panel::left("limbs")
+            .frame(plain)
+            .default_size(250.0)
+            .size_range(210.0..=360.0)
+            .show(ui, |ui| self.limbs.show(ui, &self.document, frame, self.selected));
+        if let Some(made) = &self.made {
+            let half = (ui.available_width() * 0.5).max(200.0);
+            let bounds = self.document.tracked.as_ref().map(|t| t.bounds);
+            let height = self.document.clip.as_ref().map_or(1.0, |(_, info)| info.height as f32);
+            let beside = Frame::new().fill(palette.panel).inner_margin(Margin::same(6));
+            Panel::right("creature").frame(beside).default_size(half).min_size(200.0).show(ui, |ui| {
+                let bounds = bounds.unwrap_or([0.0, 0.0, height, height]);
+                self.view3d.show(ui, &made.creature, frame, bounds, height);
+            });
+        }
+        let done = CentralPanel::default().frame(Frame::new()).show(ui, |ui| {
+            self.panel = ui.max_rect();
+            let shown = Shown {
+                document: &self.document,
+                frames: self.frames.as_ref(),
+                masks: self.made.as_ref().map(|m| &m.masks),
+                frame,
+                selected: self.selected,
+            };
+            self.canvas.show(ui, &shown)
+        });
+        if shortcuts::play_released(ui.ctx()) && self.canvas.space_was_to_play() && ui.memory(|m| m.focused().is_none())
+        {
+            self.command(Command::Play, ui.ctx(), around);
+        }
+        for asked in timeline.inner {
+            match asked {
+                timeline::Asked::Seek(frame) => self.playback.seek(frame, now),
+                timeline::Asked::Do(command) => self.command(command, ui.ctx(), around),
+                timeline::Asked::MoveKey(from, to) => {
+                    let moved = self.document.move_key(from, to);
+                    around.notices.check(moved);
+                    self.playback.seek(to, now);
+                    self.follow();
+                }
+            }
+        }
+        for asked in limbs.inner {
+            self.edit_limb(asked, frame, around);
+        }
+        for done in done.inner {
+            match done {
+                canvas::Done::Selected(limb) => self.selected = limb,
+                canvas::Done::Drew(points) => self.draw(&points, frame, around),
+            }
+        }
+        self.show_export(ui, around);
+    }
+
+    /// The steps and what comes next, in the bar at the top.
+    pub(crate) fn show_steps(&mut self, ui: &mut Ui, around: &mut Around) {
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            let stale = self.document.state.creature_outdated;
+            let (made, busy) = (self.made.is_some(), self.is_making());
+            let export = shortcuts::hint(ui.ctx(), texts::EXPORT_HINT, Command::Export);
+            let make = shortcuts::hint(ui.ctx(), texts::MAKE_HINT, Command::Make);
+            if made && !stale {
+                if widgets::primary_button(ui, texts::EXPORT).on_hover_text(export).clicked() {
+                    self.command(Command::Export, ui.ctx(), around);
+                }
+                return;
+            }
+            // While it is made, the line below says how far it is.
+            let text = if made { texts::UPDATE } else { texts::MAKE };
+            if !busy && widgets::primary_button(ui, text).on_hover_text(make).clicked() {
+                self.command(Command::Make, ui.ctx(), around);
+            }
+            if made && ui.button(texts::EXPORT).on_hover_text(export).clicked() {
+                self.command(Command::Export, ui.ctx(), around);
+            }
+        });
+    }
+
+    fn is_making(&self) -> bool {
+        self.running.as_ref().is_some_and(|r| r.purpose == Purpose::Creature)
+    }
+
+    fn progress(&mut self, ui: &mut Ui) {
+        let frames = self.document.frames();
+        let Some(running) = &mut self.running else { return };
+        ui.horizontal(|ui| {
+            let what = match &running.purpose {
+                Purpose::Creature => texts::MAKING,
+                Purpose::Track => texts::TRACKING,
+                Purpose::Export { .. } => texts::EXPORTING,
+            };
+            ui.label(RichText::new(what).strong());
+            let line = running.text(frames);
+            ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+                if ui.button(texts::CANCEL).clicked() {
+                    running.cancel();
+                }
+                // As wide as its longest text, so that the bar does not jump.
+                ui.allocate_ui_with_layout(vec2(330.0, 24.0), Layout::left_to_right(Align::Center), |ui| {
+                    ui.set_min_width(330.0);
+                    ui.add(Label::new(RichText::new(line).color(Palette::of(ui).weak)).truncate());
+                });
+                let (wide, fill) = (ui.available_width(), Palette::of(ui).accent);
+                let bar = ProgressBar::new(running.fraction()).desired_height(8.0).desired_width(wide).fill(fill);
+                ui.add(bar).accessible_name(what);
+            });
+        });
+        ui.ctx().request_repaint_after(std::time::Duration::from_millis(50));
+    }
+
+    /// Takes in what a job made.
+    fn watch(&mut self, ui: &Ui, around: &mut Around) {
+        let Some(ended) = self.running.as_mut().and_then(Running::poll) else { return };
+        let Some(running) = self.running.take() else { return };
+        ui.ctx().request_repaint();
+        match ended {
+            Ended::Failed(error) => around.notices.failed(error),
+            Ended::Cancelled => around.notices.done(texts::CANCELLED.into()),
+            Ended::Done => match running.purpose {
+                Purpose::Creature => {
+                    let made = self.document.take(&running.job).and_then(|()| {
+                        let (creature, masks) = (running.job.take_creature()?, running.job.take_masks()?);
+                        Ok(Made { creature: Arc::new(creature), masks })
+                    });
+                    if let Some(made) = around.notices.check(made) {
+                        self.made = Some(made);
+                        self.view3d.renew();
+                        self.canvas.forget_mask();
+                        if !self.playback.playing() {
+                            self.playback.toggle(ui.input(|i| i.time));
+                        }
+                    }
+                }
+                Purpose::Track => {
+                    around.notices.check(self.document.take(&running.job));
+                }
+                Purpose::Export { path, .. } => around.notices.done(texts::exported(&path)),
+            },
+        }
+        self.follow();
+    }
+
+    /// Tracks anew what was corrected, beside the person who goes on. The first time is left to [`Command::Make`].
+    fn follow(&mut self) {
+        let stale = self.document.tracked.is_some() && self.document.state.motion_outdated;
+        if !stale || self.running.is_some() || self.document.clip.is_none() || self.document.limbs.is_empty() {
+            return;
+        }
+        // What is half drawn cannot be followed yet; making the creature says what is missing.
+        if let Ok(job) = self.document.start_track() {
+            self.running = Some(Running::new(job, Purpose::Track));
+        }
+    }
+
+    fn make(&mut self, around: &mut Around) {
+        if self.document.limbs.is_empty() {
+            around.notices.failed(texts::DRAW_FIRST);
+            return;
+        }
+        if let Some(job) = around.notices.check(self.document.start_creature()) {
+            self.running = Some(Running::new(job, Purpose::Creature));
+        }
+    }
+
+    fn draw(&mut self, points: &[(f32, f32)], frame: u64, around: &mut Around) {
+        self.playback.stop();
+        let drawn = match self.selected {
+            Some(limb) => self.document.draw(limb, frame, points),
+            None => self.document.add_limb(frame, points).map(drop),
+        };
+        around.notices.check(drawn);
+        self.follow();
+    }
+
+    fn edit_limb(&mut self, asked: limbs_panel::Asked, frame: u64, around: &mut Around) {
+        let document = &mut self.document;
+        let label = |document: &Document, limb: usize| document.limbs[limb].label.clone();
+        let edited = match asked {
+            limbs_panel::Asked::Select(limb) => {
+                self.selected = limb;
+                return;
+            }
+            limbs_panel::Asked::Name(limb, name) => document.set_limb(limb, &name, document.limbs[limb].side),
+            limbs_panel::Asked::Side(limb, side) => document.set_limb(limb, &label(document, limb), side),
+            limbs_panel::Asked::Facing(limb, facing) => document.set_facing(limb, frame, facing),
+            limbs_panel::Asked::RemoveStroke(limb) => document.remove_stroke(limb, frame),
+            limbs_panel::Asked::RemoveLimb(limb) => {
+                self.selected = None;
+                document.remove_limb(limb)
+            }
+        };
+        around.notices.check(edited);
+        self.follow();
+    }
+
+    /// Does what a key or a button asked for.
+    pub(crate) fn command(&mut self, command: Command, gui: &Gui, around: &mut Around) {
+        let (now, frame, last) = (gui.input(|i| i.time), self.playback.frame(), self.playback.last());
+        let size = self.clip_size();
+        if self.canvas.command(command, self.panel, size) || self.view3d.command(command) {
+            return;
+        }
+        match command {
+            Command::Undo | Command::Redo => {
+                let done = if command == Command::Undo { self.document.undo_one() } else { self.document.redo_one() };
+                around.notices.check(done);
+                self.selected = self.selected.filter(|limb| *limb < self.document.limbs.len());
+                self.follow();
+            }
+            Command::Cancel => {
+                if self.canvas.drawing() {
+                    self.canvas.cancel();
+                } else {
+                    self.selected = None;
+                }
+            }
+            Command::Play => self.playback.toggle(now),
+            Command::NextFrame => self.playback.seek(if frame == last { 0 } else { frame + 1 }, now),
+            Command::PreviousFrame => self.playback.seek(frame.checked_sub(1).unwrap_or(last), now),
+            Command::FirstFrame => self.playback.seek(0, now),
+            Command::LastFrame => self.playback.seek(last, now),
+            Command::NextKey | Command::PreviousKey => {
+                let keys = &self.document.keys;
+                let to = if command == Command::NextKey {
+                    keys.iter().find(|k| **k > frame).or(keys.first())
+                } else {
+                    keys.iter().rev().find(|k| **k < frame).or(keys.last())
+                };
+                if let Some(to) = to {
+                    self.playback.seek(*to, now);
+                }
+            }
+            Command::NextCorrection => {
+                let worst = self.document.tracked.as_ref().and_then(|t| t.corrections.first()).copied();
+                if let Some(worst) = worst {
+                    self.playback.stop();
+                    self.playback.seek(worst.frame, now);
+                    self.selected = Some(worst.track as usize).filter(|limb| *limb < self.document.limbs.len());
+                }
+            }
+            Command::Loop => {
+                self.playback.looped ^= true;
+                around.preferences.once = !self.playback.looped;
+            }
+            Command::NewLimb => self.selected = None,
+            Command::NextLimb => {
+                let count = self.document.limbs.len();
+                self.selected = (count > 0).then(|| self.selected.map_or(0, |limb| (limb + 1) % count));
+            }
+            Command::RemoveStroke => {
+                if let Some(limb) = self.selected.filter(|limb| self.document.stroke(*limb, frame).is_some()) {
+                    let removed = self.document.remove_stroke(limb, frame);
+                    around.notices.check(removed);
+                    self.follow();
+                }
+            }
+            Command::Make if !self.is_making() => self.make(around),
+            Command::Export => {
+                if self.made.is_none() {
+                    around.notices.failed(texts::MAKE_FIRST);
+                } else if self.export.is_none() {
+                    let (settings, home) = (&around.preferences.export, &around.places.home);
+                    self.export = Some(ExportDialog::new(settings, home, &self.document.title));
+                }
+            }
+            Command::ExportAgain => {
+                let (settings, home) = (&around.preferences.export, &around.places.home);
+                let path = export::path_for(settings, home, &self.document.title);
+                self.start_export(&path, around);
+            }
+            Command::Save => match self.document.named_path() {
+                Some(_) => {
+                    let saved = self.document.save();
+                    around.notices.check(saved);
+                }
+                None => self.ask_name(gui, around),
+            },
+            Command::SaveAs => self.ask_name(gui, around),
+            _ => {}
+        }
+    }
+
+    fn ask_name(&mut self, gui: &Gui, around: &mut Around) {
+        let named = self.document.named_path();
+        let folder = named.as_deref().and_then(Path::parent).unwrap_or(&around.places.home).to_owned();
+        around.picker.ask(gui, Ask::SaveAs { folder, name: texts::session_file(&self.document.title) });
+    }
+
+    /// Saves under a name that was chosen.
+    pub(crate) fn save_as(&mut self, path: &Path, around: &mut Around) {
+        let ending = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("marey"));
+        let path = if ending { path.to_owned() } else { texts::with_session_ending(path) };
+        let before = self.document.path();
+        if around.notices.check(self.document.save_as(&path)).is_some() {
+            if let Some(before) = before.filter(|b| *b != path) {
+                around.preferences.recent.retain(|r| r.path != before || before.exists());
+            }
+            around.preferences.remember(&path, &self.document.title);
+        }
+    }
+
+    /// What a dropped or chosen file is for here; false for what opens another document.
+    pub(crate) fn take_file(&mut self, path: &Path, around: &mut Around) -> bool {
+        if !path.extension().is_some_and(|e| e.eq_ignore_ascii_case("json")) {
+            return false;
+        }
+        let taken = self.document.take_strokes(&around.context, &path.to_string_lossy());
+        around.notices.check(taken);
+        self.selected = None;
+        self.follow();
+        true
+    }
+
+    /// Where the export goes was chosen.
+    pub(crate) fn set_export_path(&mut self, path: &Path) {
+        if let Some(dialog) = &mut self.export {
+            dialog.set_path(path);
+        }
+    }
+
+    fn exported(&self) -> Option<Exported<'_>> {
+        let (made, (_, clip)) = (self.made.as_ref()?, self.document.clip.as_ref()?);
+        let bounds = self.document.tracked.as_ref()?.bounds;
+        Some(Exported {
+            creature: &made.creature,
+            clip,
+            frame: self.playback.frame(),
+            style: self.view3d.style,
+            camera: self.view3d.camera(bounds, clip.height as f32),
+        })
+    }
+
+    fn show_export(&mut self, ui: &Ui, around: &mut Around) {
+        let Some(mut dialog) = self.export.take() else { return };
+        let Some(exported) = self.exported() else { return };
+        let (settings, home) = (&mut around.preferences.export, &around.places.home);
+        let asked = dialog.show(ui.ctx(), settings, &exported, home, &self.document.title);
+        match asked {
+            Some(export::Asked::Close) => {}
+            Some(export::Asked::Export(path)) => self.start_export(&path, around),
+            Some(export::Asked::Browse) => {
+                let path = dialog.path();
+                let folder = path.parent().filter(|p| p.is_dir()).unwrap_or(&around.places.home).to_owned();
+                let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+                let ask = if around.preferences.export.format.is_folder() {
+                    Ask::ExportFolder { folder }
+                } else {
+                    Ask::ExportFile { folder, name }
+                };
+                around.picker.ask(ui.ctx(), ask);
+                self.export = Some(dialog);
+            }
+            None => self.export = Some(dialog),
+        }
+    }
+
+    fn start_export(&mut self, path: &Path, around: &mut Around) {
+        if self.running.as_ref().is_some_and(|r| r.purpose != Purpose::Track) {
+            around.notices.failed(texts::BUSY);
+            return;
+        }
+        let Some(exported) = self.exported() else {
+            around.notices.failed(texts::MAKE_FIRST);
+            return;
+        };
+        let started = around.preferences.export.start(&around.context, &exported, path);
+        if let Some((job, purpose)) = around.notices.check(started) {
+            around.preferences.export.folder = path.parent().map(Path::to_owned);
+            self.running = Some(Running::new(job, purpose));
+        }
+    }
+}

@@ -1,0 +1,306 @@
+//! The document: a session of the library, and what it holds as panels need it.
+//!
+//! Every edit is one gesture of the session, which undoes it and keeps it through a crash. After each the copies here are
+//! read anew; panels never change them. All calls come from the window's thread: a session serves one thread at a time.
+
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use marey_binding::{
+    Clip, ClipInfo, Context, Correction, Facing, Job, Motion, Result, Session, SessionState, Side, Stroke, TrackFrame,
+};
+
+use crate::texts;
+
+/// A limb as the session names it.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Limb {
+    pub(crate) label: String,
+    pub(crate) side: Side,
+    /// The longest drawn length, in clip pixels; 0 where it is not drawn.
+    pub(crate) length: f32,
+}
+
+/// The limbs over time.
+#[derive(Debug)]
+pub(crate) struct Tracked {
+    /// By limb, then by frame; a limb that was not tracked has no frames.
+    pub(crate) limbs: Vec<Vec<TrackFrame>>,
+    /// What is worth drawing next, the most helpful first.
+    pub(crate) corrections: Vec<Correction>,
+    /// Left, top, right, bottom of all places, in clip pixels.
+    pub(crate) bounds: [f32; 4],
+}
+
+#[derive(Debug)]
+pub(crate) struct Document {
+    session: Session,
+    pub(crate) title: String,
+    pub(crate) clip: Option<(Arc<Clip>, ClipInfo)>,
+    pub(crate) limbs: Vec<Limb>,
+    /// Frames that are drawn on, rising.
+    pub(crate) keys: Vec<u64>,
+    strokes: HashMap<(usize, u64), Stroke>,
+    pub(crate) tracked: Option<Tracked>,
+    pub(crate) state: SessionState,
+    pub(crate) undo: Option<String>,
+    pub(crate) redo: Option<String>,
+    worked_on: bool,
+}
+
+impl Document {
+    /// A new session without a name, with a clip and perhaps strokes. Reads all of the clip.
+    pub(crate) fn of_clip(context: &Context, unsaved: &Path, path: &str, strokes: Option<&str>) -> Result<Self> {
+        let clip = context.open_clip(path)?;
+        let rig = strokes.map(|text| context.rig_from_json(text)).transpose()?;
+        let session = context.new_untitled_session(&unsaved.to_string_lossy())?;
+        let set_up = || {
+            session.begin_gesture(texts::EDIT_OPEN)?;
+            session.set_clip(Some(&clip))?;
+            rig.map(|rig| session.set_rig(&rig)).transpose()?;
+            session.end_gesture()
+        };
+        match set_up() {
+            Ok(()) => Self::of(session, &stem(path)),
+            Err(e) => {
+                session.discard()?;
+                Err(e)
+            }
+        }
+    }
+
+    /// A session as it is.
+    pub(crate) fn of(session: Session, title: &str) -> Result<Self> {
+        let state = session.state()?;
+        let mut document = Self {
+            session,
+            title: title.to_owned(),
+            clip: None,
+            limbs: Vec::new(),
+            keys: Vec::new(),
+            strokes: HashMap::new(),
+            tracked: None,
+            state,
+            undo: None,
+            redo: None,
+            worked_on: false,
+        };
+        document.refresh(true)?;
+        Ok(document)
+    }
+
+    /// What opening it found damaged, lost or not there.
+    pub(crate) fn warnings(&self) -> Result<Vec<String>> {
+        self.session.warnings()
+    }
+
+    pub(crate) fn frames(&self) -> u64 {
+        self.clip.as_ref().map_or(0, |(_, info)| info.frames)
+    }
+
+    /// Where it is kept under a name of the user's.
+    pub(crate) fn named_path(&self) -> Option<PathBuf> {
+        if self.state.untitled {
+            return None;
+        }
+        self.session.path().ok().flatten().map(PathBuf::from)
+    }
+
+    /// Where it is kept, named or not.
+    pub(crate) fn path(&self) -> Option<PathBuf> {
+        self.session.path().ok().flatten().map(PathBuf::from)
+    }
+
+    pub(crate) fn stroke(&self, limb: usize, frame: u64) -> Option<&Stroke> {
+        self.strokes.get(&(limb, frame))
+    }
+
+    /// The strokes of a frame, by limb.
+    pub(crate) fn strokes_on(&self, frame: u64) -> impl Iterator<Item = (usize, &Stroke)> {
+        (0..self.limbs.len()).filter_map(move |limb| Some((limb, self.stroke(limb, frame)?)))
+    }
+
+    /// Whether a person did something to it, beyond opening it and looking at what is made of it.
+    pub(crate) fn is_worked_on(&self) -> bool {
+        self.worked_on || self.state.recovered > 0
+    }
+
+    /// What undo takes back. Opening the clip is not taken back: it would leave nothing to go on with.
+    pub(crate) fn undo(&self) -> Option<&str> {
+        self.undo.as_deref().filter(|label| *label != texts::EDIT_OPEN)
+    }
+
+    pub(crate) fn undo_one(&mut self) -> Result<()> {
+        if self.undo().is_some() {
+            self.session.undo()?;
+        }
+        self.refresh(true)
+    }
+
+    pub(crate) fn redo_one(&mut self) -> Result<()> {
+        self.session.redo()?;
+        self.refresh(true)
+    }
+
+    pub(crate) fn save(&mut self) -> Result<()> {
+        self.session.save()?;
+        self.refresh(false)
+    }
+
+    pub(crate) fn save_as(&mut self, path: &Path) -> Result<()> {
+        let path = path.to_string_lossy();
+        self.session.save_as(&path)?;
+        self.title = stem(&path);
+        self.refresh(false)
+    }
+
+    /// Drops everything of it that was not saved.
+    pub(crate) fn discard(self) -> Result<()> {
+        self.session.discard()
+    }
+
+    /// Adds a limb with its first stroke; gives its index.
+    pub(crate) fn add_limb(&mut self, frame: u64, points: &[(f32, f32)]) -> Result<usize> {
+        let label = self.free_label();
+        let limb = self.edit(texts::EDIT_ADD_LIMB, |session| {
+            let limb = session.add_limb(&label, Side::Unknown)?;
+            session.set_stroke(limb, frame, points, Facing::Unknown)?;
+            Ok(limb)
+        })?;
+        Ok(limb as usize)
+    }
+
+    /// Draws a limb on a frame, instead of what was drawn of it there.
+    pub(crate) fn draw(&mut self, limb: usize, frame: u64, points: &[(f32, f32)]) -> Result<()> {
+        let facing = self.stroke(limb, frame).map_or(Facing::Unknown, |s| s.facing);
+        self.edit(texts::EDIT_DRAW, |session| session.set_stroke(limb as u32, frame, points, facing))
+    }
+
+    pub(crate) fn set_facing(&mut self, limb: usize, frame: u64, facing: Facing) -> Result<()> {
+        let Some(points) = self.stroke(limb, frame).map(|s| s.points.clone()) else { return Ok(()) };
+        self.edit(texts::EDIT_FACING, |session| session.set_stroke(limb as u32, frame, &points, facing))
+    }
+
+    pub(crate) fn remove_stroke(&mut self, limb: usize, frame: u64) -> Result<()> {
+        self.edit(texts::EDIT_REMOVE_STROKE, |session| session.remove_stroke(limb as u32, frame))
+    }
+
+    pub(crate) fn remove_limb(&mut self, limb: usize) -> Result<()> {
+        self.edit(texts::EDIT_REMOVE_LIMB, |session| session.remove_limb(limb as u32))
+    }
+
+    pub(crate) fn set_limb(&mut self, limb: usize, label: &str, side: Side) -> Result<()> {
+        self.edit(texts::EDIT_NAME_LIMB, |session| session.set_limb(limb as u32, label, side))
+    }
+
+    /// Replaces everything that is drawn by a strokes.json.
+    pub(crate) fn take_strokes(&mut self, context: &Context, path: &str) -> Result<()> {
+        let rig = context.read_rig(path)?;
+        self.edit(texts::EDIT_TAKE_STROKES, |session| session.set_rig(&rig))
+    }
+
+    /// Moves all that is drawn on a frame to another; what was drawn there is replaced.
+    pub(crate) fn move_key(&mut self, from: u64, to: u64) -> Result<()> {
+        let strokes: Vec<(usize, Stroke)> = self.strokes_on(from).map(|(limb, s)| (limb, s.clone())).collect();
+        self.edit(texts::EDIT_MOVE_KEY, |session| {
+            for (limb, stroke) in &strokes {
+                session.remove_stroke(*limb as u32, from)?;
+                session.set_stroke(*limb as u32, to, &stroke.points, stroke.facing)?;
+            }
+            Ok(())
+        })
+    }
+
+    pub(crate) fn start_creature(&self) -> Result<Job> {
+        self.session.start_creature("")
+    }
+
+    pub(crate) fn start_track(&self) -> Result<Job> {
+        self.session.start_track()
+    }
+
+    /// Takes in what a job of this session made.
+    pub(crate) fn take(&mut self, job: &Job) -> Result<()> {
+        self.session.take(job)?;
+        self.refresh(true)
+    }
+
+    /// One step of undo, or nothing.
+    fn edit<T>(&mut self, label: &str, edit: impl FnOnce(&Session) -> Result<T>) -> Result<T> {
+        self.session.begin_gesture(label)?;
+        self.worked_on = true;
+        let edited = edit(&self.session).and_then(|value| self.session.end_gesture().map(|()| value));
+        if edited.is_err() {
+            // What failed is said; that nothing of it stays is all there is to do about it.
+            let _ = self.session.cancel_gesture();
+        }
+        self.refresh(false)?;
+        edited
+    }
+
+    /// Reads the session anew. The motion is large, and changes with few of the edits.
+    fn refresh(&mut self, motion: bool) -> Result<()> {
+        let session = &self.session;
+        self.state = session.state()?;
+        (self.undo, self.redo) = (session.undo_label()?, session.redo_label()?);
+        if self.state.has_clip != self.clip.is_some() {
+            // A clip that cannot be found any more is said by a warning, and strokes are still worth having.
+            self.clip = match session.clip() {
+                Ok(Some(clip)) => clip.info().ok().map(|info| (Arc::new(clip), info)),
+                _ => None,
+            };
+        }
+        let rig = session.rig()?;
+        self.limbs.clear();
+        for (index, limb) in rig.limbs()?.into_iter().enumerate() {
+            let length = rig.length_hint(index as u32)?;
+            self.limbs.push(Limb { label: limb.label, side: limb.side, length });
+        }
+        self.keys = rig.key_frames()?;
+        self.strokes.clear();
+        for frame in &self.keys {
+            for limb in 0..self.limbs.len() {
+                if let Some(stroke) = rig.stroke(limb as u32, *frame)? {
+                    self.strokes.insert((limb, *frame), stroke);
+                }
+            }
+        }
+        if motion {
+            self.tracked = session.motion()?.map(|motion| tracked(&motion, &self.limbs)).transpose()?;
+        }
+        if let Some(tracked) = &mut self.tracked {
+            // Limbs that were added or named since were not tracked.
+            tracked.limbs.resize_with(self.limbs.len(), Vec::new);
+            if let Some(motion) = session.motion()? {
+                // Limbs that the motion does not know have no advice; that is no reason to refuse an edit.
+                tracked.corrections = motion.corrections(Some(&rig)).unwrap_or_default();
+            }
+        }
+        Ok(())
+    }
+
+    fn free_label(&self) -> String {
+        let taken = |label: &str| self.limbs.iter().any(|l| l.label == label);
+        (1..).map(texts::limb_label).find(|label| !taken(label)).unwrap_or_default()
+    }
+}
+
+fn tracked(motion: &Motion, limbs: &[Limb]) -> Result<Tracked> {
+    let info = motion.info()?;
+    let mut bounds = [f32::INFINITY, f32::INFINITY, f32::NEG_INFINITY, f32::NEG_INFINITY];
+    let of = |limb: &Limb| {
+        let Some(track) = info.tracks.iter().position(|name| *name == limb.label) else { return Ok(Vec::new()) };
+        (0..info.frames).map(|frame| motion.frame(track as u32, frame)).collect::<Result<Vec<_>>>()
+    };
+    let limbs: Vec<Vec<TrackFrame>> = limbs.iter().map(of).collect::<Result<_>>()?;
+    for (x, y) in limbs.iter().flatten().flat_map(|frame| &frame.points) {
+        bounds = [bounds[0].min(*x), bounds[1].min(*y), bounds[2].max(*x), bounds[3].max(*y)];
+    }
+    Ok(Tracked { limbs, corrections: Vec::new(), bounds })
+}
+
+/// What a file is called for a person.
+pub(crate) fn stem(path: &str) -> String {
+    Path::new(path).file_stem().map_or_else(|| path.to_owned(), |name| name.to_string_lossy().into_owned())
+}

@@ -1,0 +1,46 @@
+//! Marey Studio: the reference host with windows.
+//!
+//! It uses the C ABI only, through `marey-binding`: what it does, a C program can do. A [`Studio`] is the whole program but
+//! for its window; [`run`] gives it one, and the tests drive it without.
+//!
+//! Who knows what: the [session](marey_binding::Session) is the document, and every edit goes through it (`document`).
+//! What is looked at and selected is the door's (`creature_door`), and so is what runs (`running`). Panels draw what they
+//! are given and answer with what the person asked for; the door does it. Decoding, drawing in 3D, opening and file
+//! dialogs have threads of their own, so that no frame of the window waits for any of them.
+
+mod app;
+mod around;
+mod background;
+mod canvas;
+mod creature_door;
+mod document;
+mod export;
+mod frames;
+mod help;
+mod icons;
+mod limbs_panel;
+mod notices;
+mod opening;
+mod overlay;
+mod picker;
+mod places;
+mod playback;
+mod preferences;
+mod running;
+mod sample;
+mod shortcuts;
+mod start;
+mod texts;
+mod theme;
+mod timeline;
+mod view;
+mod view3d;
+mod widgets;
+mod window;
+
+pub use app::Studio;
+pub use places::Places;
+pub use window::run;
+
+/// What the studio is drawn with.
+pub use eframe::egui;

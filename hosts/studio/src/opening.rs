@@ -1,0 +1,75 @@
+//! Opening clips, samples and sessions beside the window: whole clips are read to know them again.
+
+use std::path::{Path, PathBuf};
+
+use eframe::egui;
+use marey_binding::{Access, Context};
+
+use crate::background::Background;
+use crate::document::{Document, stem};
+use crate::{Places, sample, texts};
+
+/// What is to be opened.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) enum Source {
+    /// A video file, or a folder of pictures.
+    Clip(PathBuf),
+    /// The bundled fox.
+    Fox,
+    /// A session file.
+    Session(PathBuf),
+}
+
+impl Source {
+    /// By a path's ending.
+    pub(crate) fn of_path(path: &Path) -> Self {
+        let session = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("marey"));
+        if session { Self::Session(path.to_owned()) } else { Self::Clip(path.to_owned()) }
+    }
+
+    pub(crate) fn name(&self) -> String {
+        match self {
+            Self::Clip(path) | Self::Session(path) => stem(&path.to_string_lossy()),
+            Self::Fox => texts::FOX.into(),
+        }
+    }
+}
+
+#[derive(Debug)]
+pub(crate) struct Opening {
+    pub(crate) source: Source,
+    answer: Background<Result<Document, String>>,
+}
+
+impl Opening {
+    pub(crate) fn start(ui: &egui::Context, context: &Context, places: &Places, source: Source) -> Self {
+        let (context, places, opened) = (context.clone(), places.clone(), source.clone());
+        Self { source, answer: Background::start(ui, move || open(&context, &places, &opened)) }
+    }
+
+    pub(crate) fn answer(&self) -> Option<Result<Document, String>> {
+        match self.answer.answer() {
+            Ok(answer) => answer,
+            Err(()) => Some(Err(texts::OPENING_BROKE.into())),
+        }
+    }
+}
+
+fn open(context: &Context, places: &Places, source: &Source) -> Result<Document, String> {
+    let said = |e: marey_binding::Error| e.to_string();
+    match source {
+        Source::Clip(path) => Document::of_clip(context, &places.unsaved, &path.to_string_lossy(), None).map_err(said),
+        Source::Fox => {
+            let clip = sample::clip(&places.samples).map_err(|e| texts::no_folder(&places.samples, &e))?;
+            let strokes = Some(sample::strokes());
+            let mut document =
+                Document::of_clip(context, &places.unsaved, &clip.to_string_lossy(), strokes).map_err(said)?;
+            document.title = texts::FOX.into();
+            Ok(document)
+        }
+        Source::Session(path) => {
+            let session = context.open_session(&path.to_string_lossy(), Access::Edit).map_err(said)?;
+            Document::of(session, &source.name()).map_err(said)
+        }
+    }
+}

@@ -1,0 +1,107 @@
+//! A job while it runs: how far it is, how long it will take, and how it ended.
+
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+use marey_binding::{Error, Job, JobState, Status};
+
+use crate::texts;
+
+/// Before so much is done, nothing can be said of the rest.
+const KNOWN: (Duration, f64) = (Duration::from_millis(700), 0.03);
+
+/// What a job is for.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) enum Purpose {
+    /// A creature of the session.
+    Creature,
+    /// The session's limbs, after a correction.
+    Track,
+    /// A file; of pictures, or of other things.
+    Export { path: PathBuf, pictures: bool },
+}
+
+#[derive(Debug)]
+pub(crate) struct Running {
+    pub(crate) job: Job,
+    pub(crate) purpose: Purpose,
+    began: Instant,
+    state: JobState,
+    /// A person asked it to stop.
+    pub(crate) cancelled: bool,
+}
+
+/// How a job ended.
+#[derive(Debug)]
+pub(crate) enum Ended {
+    Done,
+    Cancelled,
+    Failed(Error),
+}
+
+impl Running {
+    pub(crate) fn new(job: Job, purpose: Purpose) -> Self {
+        let state = JobState { ended: false, fraction: 0.0, stage: String::new(), stage_fraction: 0.0, revision: 0 };
+        Self { job, purpose, began: Instant::now(), state, cancelled: false }
+    }
+
+    /// Looks how it is; gives its end.
+    pub(crate) fn poll(&mut self) -> Option<Ended> {
+        match self.job.poll() {
+            Ok(state) => self.state = state,
+            Err(e) => return Some(Ended::Failed(e)),
+        }
+        if !self.state.ended {
+            return None;
+        }
+        Some(match self.job.wait(Some(Duration::ZERO)) {
+            Ok(_) => Ended::Done,
+            Err(e) if e.status() == Status::Cancelled => Ended::Cancelled,
+            Err(e) => Ended::Failed(e),
+        })
+    }
+
+    /// Asks it to stop.
+    pub(crate) fn cancel(&mut self) {
+        self.cancelled = true;
+        // What has ended meanwhile needs no cancel.
+        let _ = self.job.cancel();
+    }
+
+    pub(crate) fn fraction(&self) -> f32 {
+        self.state.fraction as f32
+    }
+
+    /// Its line for a person.
+    pub(crate) fn text(&self, frames: u64) -> String {
+        if self.cancelled {
+            return texts::STOPPING.into();
+        }
+        let fraction = self.state.fraction;
+        let done = match &self.purpose {
+            Purpose::Export { pictures: false, .. } => texts::percent(fraction),
+            // Each stage goes over the clip's frames.
+            _ => texts::frame_of((self.state.stage_fraction * frames as f64) as u64, frames),
+        };
+        texts::progress(texts::stage(&self.state.stage), &done, left(self.began.elapsed(), fraction))
+    }
+}
+
+/// How long it will still take, when as much time goes into the rest as went into what is done.
+fn left(spent: Duration, fraction: f64) -> Option<Duration> {
+    let known = spent >= KNOWN.0 && fraction >= KNOWN.1 && fraction <= 1.0;
+    known.then(|| spent.mul_f64((1.0 - fraction) / fraction))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_time_that_is_left_is_said_once_it_is_known() {
+        assert_eq!(left(Duration::from_secs(3), 0.25), Some(Duration::from_secs(9)));
+        assert_eq!(left(Duration::from_secs(3), 0.0), None);
+        assert_eq!(left(Duration::from_millis(20), 0.5), None);
+        assert_eq!(left(Duration::from_secs(3), 1.0), Some(Duration::ZERO));
+    }
+}

@@ -1,0 +1,416 @@
+//! Every text that a person reads, in one place for translation. Frames count from 1 here, as people count.
+
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+pub(crate) const PROGRAM: &str = "Marey Studio";
+pub(crate) const SUBTITLE: &str = "Turn a clip of something alive into animation that you can use.";
+
+// Starting.
+pub(crate) const DOOR_CREATURE: &str = "A creature from a clip";
+pub(crate) const DOOR_CREATURE_TEXT: &str =
+    "Film an animal from the side, draw a stroke along each limb, and get a textured 3D creature that moves.";
+pub(crate) const CHOOSE_CLIP: &str = "Choose a clip…";
+pub(crate) const OR_DROP: &str = "or drop one on the window";
+pub(crate) const DOOR_CHARACTER: &str = "A character that moves";
+pub(crate) const DOOR_CHARACTER_TEXT: &str =
+    "Pose a drawing by its joints, or let it move as anything that was filmed.";
+pub(crate) const DOOR_CHARACTER_WHERE: &str = "Not in the studio yet. The command line does it: marey character";
+pub(crate) const DOOR_DRAWING: &str = "A drawing that lives";
+pub(crate) const DOOR_DRAWING_TEXT: &str = "Let the strokes of a vector drawing take the motion of a clip.";
+pub(crate) const DOOR_DRAWING_WHERE: &str = "Not in the studio yet. The command line does it: marey sketch";
+pub(crate) const SAMPLES: &str = "TRY IT";
+pub(crate) const FOX: &str = "A fox that walks";
+pub(crate) const FOX_TEXT: &str = "Drawn on three frames already. Opens, is made into a creature, and plays.";
+pub(crate) const OPEN_FOX: &str = "Open the sample: a fox that walks";
+pub(crate) const UNSAVED: &str = "NOT SAVED YET";
+pub(crate) const UNSAVED_ONE: &str = "Unnamed session";
+pub(crate) const RECENT: &str = "RECENT";
+pub(crate) const NO_RECENT: &str = "Sessions that you save are listed here.";
+pub(crate) const OPEN_SESSION: &str = "Open a session…";
+pub(crate) const DISCARD: &str = "Discard";
+pub(crate) const KEEP: &str = "Keep";
+pub(crate) const FORGET: &str = "Take off the list";
+pub(crate) const DROP: &str = "Let go to open it";
+
+// Files.
+pub(crate) const PICK_CLIP: &str = "Choose a clip";
+pub(crate) const PICK_SESSION: &str = "Open a session";
+pub(crate) const SAVE_AS: &str = "Save the session";
+pub(crate) const EXPORT_TO: &str = "Export to";
+pub(crate) const CLIPS: &str = "Clips";
+pub(crate) const SESSIONS: &str = "Marey sessions";
+pub(crate) const NO_HOME: &str = "there is no folder for data of programs; set HOME or XDG_DATA_HOME";
+pub(crate) const OPENING_BROKE: &str =
+    "Opening it failed in a way that should not be. What was saved is untouched; please report it.";
+pub(crate) const DRAWING_BROKE: &str = "Drawing the preview failed in a way that should not be; please report it.";
+pub(crate) const NO_CLIP: &str =
+    "The clip of this session is not there. Put it back where it was, and open the session again.";
+
+// Steps of undo.
+pub(crate) const EDIT_OPEN: &str = "opening the clip";
+pub(crate) const EDIT_ADD_LIMB: &str = "new limb";
+pub(crate) const EDIT_DRAW: &str = "stroke";
+pub(crate) const EDIT_FACING: &str = "facing";
+pub(crate) const EDIT_REMOVE_STROKE: &str = "removing a stroke";
+pub(crate) const EDIT_REMOVE_LIMB: &str = "removing a limb";
+pub(crate) const EDIT_NAME_LIMB: &str = "limb's name and side";
+pub(crate) const EDIT_TAKE_STROKES: &str = "strokes from a file";
+pub(crate) const EDIT_MOVE_KEY: &str = "moving a key frame";
+
+// The bar.
+pub(crate) const TO_START: &str = "To the start";
+pub(crate) const UNDO: &str = "Undo";
+pub(crate) const REDO: &str = "Redo";
+pub(crate) const SAVED: &str = "Saved";
+pub(crate) const MODIFIED: &str = "Not saved";
+pub(crate) const NOT_SAVED: &str = "No name yet";
+pub(crate) const SAVED_HINT: &str =
+    "Every stroke is kept on the disk at once, and comes back after a crash. Saving puts it into your file.";
+pub(crate) const LIGHT: &str = "Light or dark";
+pub(crate) const SHORTCUTS: &str = "Keys";
+pub(crate) const MAKE: &str = "Make the creature";
+pub(crate) const UPDATE: &str = "Update the creature";
+pub(crate) const MAKE_HINT: &str = "Tracks the limbs, cuts the creature out, and builds it";
+pub(crate) const MAKING: &str = "Making the creature";
+pub(crate) const TRACKING: &str = "Following your correction";
+pub(crate) const EXPORTING: &str = "Exporting";
+pub(crate) const EXPORT: &str = "Export…";
+pub(crate) const EXPORT_HINT: &str = "Writes it for Blender, game engines, the web";
+pub(crate) const DRAW_FIRST: &str =
+    "There is nothing to follow yet. Draw a stroke along each limb of the animal, from the body outward.";
+pub(crate) const MAKE_FIRST: &str = "There is no creature to export yet. Make it first.";
+pub(crate) const BUSY: &str = "Something is being made. Wait for its end, or cancel it.";
+pub(crate) const CANCELLED: &str = "Cancelled. Nothing was changed.";
+pub(crate) const STOPPING: &str = "Stopping";
+
+// The canvas.
+pub(crate) const DRAW_HINT: &str =
+    "Draw a stroke along the body, then one along each leg, the neck and the tail, from the body outward.";
+pub(crate) const STROKES: &str = "Strokes";
+pub(crate) const TRACKS: &str = "Tracked";
+pub(crate) const PATHS: &str = "Paths";
+pub(crate) const MASK: &str = "Mask";
+pub(crate) const FIT: &str = "Fit";
+
+// Limbs.
+pub(crate) const NEW_LIMB: &str = "New limb";
+pub(crate) const NO_LIMBS: &str = "Each stroke on the clip becomes a limb here.";
+pub(crate) const DRAWS_NEW: &str = "The next stroke makes a new limb. Select one to draw it again on another frame.";
+pub(crate) const LIMB_NAME: &str = "name";
+pub(crate) const SIDE: &str = "Side";
+pub(crate) const SIDE_HINT: &str =
+    "Of a pair of legs, say which is near to the camera and which is far: they are told apart by it.";
+pub(crate) const SIDE_UNKNOWN: &str = "not said";
+pub(crate) const SIDE_NEAR: &str = "near";
+pub(crate) const SIDE_FAR: &str = "far";
+pub(crate) const SIDE_MID: &str = "middle";
+pub(crate) const END: &str = "Its end is";
+pub(crate) const FACING_FLAT: &str = "level";
+pub(crate) const FACING_FLAT_HINT: &str = "As far from the camera as its start";
+pub(crate) const FACING_TOWARD: &str = "nearer";
+pub(crate) const FACING_TOWARD_HINT: &str = "It points toward the camera";
+pub(crate) const FACING_AWAY: &str = "farther";
+pub(crate) const FACING_AWAY_HINT: &str = "It points away from the camera";
+pub(crate) const REMOVE_STROKE: &str = "Remove its stroke here";
+
+// Time.
+pub(crate) const PLAY: &str = "Play";
+pub(crate) const PAUSE: &str = "Pause";
+pub(crate) const LOOP: &str = "Loop";
+pub(crate) const FIRST_FRAME: &str = "First frame";
+pub(crate) const PREVIOUS_FRAME: &str = "Previous frame";
+pub(crate) const NEXT_FRAME: &str = "Next frame";
+pub(crate) const LAST_FRAME: &str = "Last frame";
+pub(crate) const NEXT_CORRECTION: &str = "Next to correct";
+pub(crate) const NEXT_CORRECTION_HINT: &str = "Goes to the frame and the limb that a new stroke would help most";
+
+// The creature.
+pub(crate) const VIEW3D_NAME: &str = "The creature in 3D";
+pub(crate) const STYLE: &str = "What is shown";
+pub(crate) const STYLE_TEXTURED: &str = "Textured";
+pub(crate) const STYLE_SHADED: &str = "Shaded";
+pub(crate) const STYLE_WIREFRAME: &str = "Wireframe";
+pub(crate) const STYLE_RADIUS: &str = "Thickness";
+pub(crate) const STYLE_BONES: &str = "Bones";
+pub(crate) const STYLE_DEPTH: &str = "Depth";
+pub(crate) const STYLE_NORMALS: &str = "Normals";
+pub(crate) const AS_FILMED: &str = "As filmed";
+pub(crate) const ORBIT_HINT: &str = "Drag to turn";
+
+// Exporting.
+pub(crate) const EXPORT_TITLE: &str = "Export the creature";
+pub(crate) const GLB: &str = "glTF (.glb)";
+pub(crate) const GLB_USE: &str = "Mesh, bones, animation and texture in one file, for Blender and game engines";
+pub(crate) const FOLDER: &str = "Everything, in a folder";
+pub(crate) const FOLDER_USE: &str = "The .glb, masks, motion.json, previews and a report";
+pub(crate) const GIF: &str = "GIF";
+pub(crate) const GIF_USE: &str = "Plays everywhere; hard edges, 256 colours";
+pub(crate) const APNG: &str = "Animated PNG";
+pub(crate) const APNG_USE: &str = "See-through and lossless, in every browser";
+pub(crate) const WEBP: &str = "Animated WebP";
+pub(crate) const WEBP_USE: &str = "See-through and smaller, in every browser";
+pub(crate) const MP4: &str = "Film (.mp4)";
+pub(crate) const MP4_USE: &str = "For film editors; it cannot be see-through";
+pub(crate) const PICTURES: &str = "PNG pictures, in a folder";
+pub(crate) const PICTURES_USE: &str = "One for each frame, for compositing";
+pub(crate) const SHEET: &str = "Sprite sheet";
+pub(crate) const SHEET_USE: &str = "All frames on one PNG, with their places in JSON";
+pub(crate) const PREVIEW_NAME: &str = "Preview";
+pub(crate) const FROM: &str = "From";
+pub(crate) const FROM_FILMED: &str = "where it was filmed";
+pub(crate) const FROM_SHOWN: &str = "where you look now";
+pub(crate) const FROM_AROUND: &str = "all around, once";
+pub(crate) const SIZE: &str = "Size";
+pub(crate) const BEHIND: &str = "Behind";
+pub(crate) const NOTHING: &str = "nothing";
+pub(crate) const COLOR: &str = "a colour";
+pub(crate) const COLOR_NAME: &str = "The colour behind";
+pub(crate) const TO_FILE: &str = "File";
+pub(crate) const TO_FOLDER: &str = "Folder";
+pub(crate) const BROWSE: &str = "Browse…";
+pub(crate) const REPLACES: &str = "What is there under this name will be replaced.";
+pub(crate) const EXPORT_NOW: &str = "Export";
+pub(crate) const CANCEL: &str = "Cancel";
+pub(crate) const CLOSE: &str = "Close";
+pub(crate) const CLOSE_NOTICE: &str = "Close this message";
+
+// Keys.
+pub(crate) const GROUP_SESSION: &str = "SESSION";
+pub(crate) const GROUP_DRAWING: &str = "DRAWING";
+pub(crate) const GROUP_TIME: &str = "TIME";
+pub(crate) const GROUP_LOOKING: &str = "LOOKING";
+pub(crate) const GROUP_MORE: &str = "MORE";
+pub(crate) const DO_OPEN_CLIP: &str = "Choose a clip";
+pub(crate) const DO_OPEN: &str = "Open a session";
+pub(crate) const DO_SAVE: &str = "Save";
+pub(crate) const DO_SAVE_AS: &str = "Save under another name";
+pub(crate) const DO_UNDO: &str = "Undo";
+pub(crate) const DO_REDO: &str = "Redo";
+pub(crate) const DO_CANCEL: &str = "Drop the stroke, or the selection";
+pub(crate) const DO_START: &str = "To the start";
+pub(crate) const DO_NEW_LIMB: &str = "Draw a new limb";
+pub(crate) const DO_NEXT_LIMB: &str = "Select the next limb";
+pub(crate) const DO_REMOVE_STROKE: &str = "Remove the limb's stroke here";
+pub(crate) const DO_NEXT_CORRECTION: &str = "Go to what to correct next";
+pub(crate) const DO_MAKE: &str = "Make the creature";
+pub(crate) const DO_PLAY: &str = "Play, pause";
+pub(crate) const DO_PREVIOUS_FRAME: &str = "Previous frame";
+pub(crate) const DO_NEXT_FRAME: &str = "Next frame";
+pub(crate) const DO_PREVIOUS_KEY: &str = "Previous key frame";
+pub(crate) const DO_NEXT_KEY: &str = "Next key frame";
+pub(crate) const DO_FIRST_FRAME: &str = "First frame";
+pub(crate) const DO_LAST_FRAME: &str = "Last frame";
+pub(crate) const DO_LOOP: &str = "Loop, or play once";
+pub(crate) const DO_FIT: &str = "Fit the clip";
+pub(crate) const DO_ZOOM_IN: &str = "Nearer";
+pub(crate) const DO_ZOOM_OUT: &str = "Farther";
+pub(crate) const DO_STROKES: &str = "Show strokes";
+pub(crate) const DO_TRACKS: &str = "Show tracked limbs";
+pub(crate) const DO_PATHS: &str = "Show paths";
+pub(crate) const DO_MASK: &str = "Show the mask";
+pub(crate) const DO_NEXT_STYLE: &str = "Next style of the creature";
+pub(crate) const DO_AS_FILMED: &str = "Creature as it was filmed";
+pub(crate) const DO_EXPORT: &str = "Export";
+pub(crate) const DO_EXPORT_AGAIN: &str = "Export again, as last time";
+pub(crate) const DO_LIGHT: &str = "Light or dark";
+pub(crate) const DO_HELP: &str = "This list";
+pub(crate) const MOUSE_HELP: &str = "Wheel: nearer, farther. Space or the middle button, held: move the clip. Click on a limb: select it. Diamonds on the timeline can be dragged.";
+
+pub(crate) fn no_window(why: &str) -> String {
+    format!(
+        "cannot open a window: {why}; Marey Studio needs a display, and Vulkan, Metal, Direct3D 12 or OpenGL to draw"
+    )
+}
+
+pub(crate) fn no_folder(folder: &Path, why: &std::io::Error) -> String {
+    format!("{}: cannot be written to: {why}; make room, or give yourself the right to", folder.display())
+}
+
+pub(crate) fn no_memory(why: &std::io::Error) -> String {
+    format!("What you chose cannot be remembered: {why}. Everything else works.")
+}
+
+/// How long ago, for a person.
+pub(crate) fn ago(seconds: u64) -> String {
+    let of = |count: u64, one: &str| if count == 1 { format!("1 {one} ago") } else { format!("{count} {one}s ago") };
+    match seconds {
+        0..=59 => "just now".into(),
+        60..=3599 => of(seconds / 60, "minute"),
+        3600..=86_399 => of(seconds / 3600, "hour"),
+        _ => of(seconds / 86_400, "day"),
+    }
+}
+
+pub(crate) fn open_named(title: &str) -> String {
+    format!("Open {title}")
+}
+
+pub(crate) fn with_name(what: &str, title: &str) -> String {
+    format!("{what}: {title}")
+}
+
+pub(crate) fn discard_sure(title: &str) -> String {
+    format!("Discard {title} for good?")
+}
+
+pub(crate) fn opening(name: &str) -> String {
+    format!("Opening {name}…")
+}
+
+pub(crate) fn recovered(gestures: u64) -> String {
+    match gestures {
+        1 => "The last step, which was not saved, is here again.".into(),
+        _ => format!("The last {gestures} steps, which were not saved, are here again."),
+    }
+}
+
+pub(crate) fn with_key(text: &str, key: &str) -> String {
+    format!("{text} ({key})")
+}
+
+pub(crate) fn with_what(text: &str, what: Option<&str>) -> String {
+    what.map_or_else(|| text.to_owned(), |what| format!("{text}: {what}"))
+}
+
+pub(crate) fn canvas_name(frame: u64, frames: u64) -> String {
+    format!("The clip, frame {} of {frames}", frame + 1)
+}
+
+pub(crate) fn limb_label(number: usize) -> String {
+    format!("limb {number}")
+}
+
+pub(crate) fn limbs(count: usize) -> String {
+    if count == 0 { "LIMBS".into() } else { format!("LIMBS · {count}") }
+}
+
+pub(crate) fn select_limb(label: &str) -> String {
+    format!("Draw {label}")
+}
+
+pub(crate) fn name_of_limb(label: &str) -> String {
+    format!("Name of {label}")
+}
+
+pub(crate) fn remove_limb(label: &str) -> String {
+    format!("Remove {label}")
+}
+
+pub(crate) fn draws_again(label: &str) -> String {
+    format!("The next stroke draws {label} on this frame, which becomes a key frame.")
+}
+
+pub(crate) fn timeline_name(frame: u64, frames: u64) -> String {
+    format!("Timeline, frame {} of {frames}", frame + 1)
+}
+
+pub(crate) fn frame_name(frame: u64) -> String {
+    format!("Frame {}", frame + 1)
+}
+
+pub(crate) fn key_frame(frame: u64) -> String {
+    format!("Key frame {}", frame + 1)
+}
+
+pub(crate) fn key_frames(count: usize) -> String {
+    match count {
+        0 => "no key frames".into(),
+        1 => "1 key frame".into(),
+        _ => format!("{count} key frames"),
+    }
+}
+
+pub(crate) fn place_in_time(frame: u64, frames: u64, seconds: f64) -> String {
+    let of = frames.to_string();
+    format!("{:>width$} / {of}   {seconds:>5.2} s", (frame + 1).min(frames), width = of.len())
+}
+
+pub(crate) fn frame_of(done: u64, count: u64) -> String {
+    format!("frame {} of {count}", done.min(count))
+}
+
+pub(crate) fn percent(fraction: f64) -> String {
+    format!("{:.0} %", 100.0 * fraction)
+}
+
+/// What the library is at. What it may call otherwise one day is said as it says it.
+pub(crate) fn stage(stage: &str) -> &str {
+    match stage {
+        "" | "waiting" => "Waiting for its turn",
+        "tracking" => "Following the limbs",
+        "segmenting" => "Cutting it out",
+        "reconstructing" | "fitting" => "Building the body",
+        "texturing" => "Painting the skin",
+        "rendering" => "Drawing",
+        "writing frames" => "Writing frames",
+        other => other,
+    }
+}
+
+pub(crate) fn progress(stage: &str, done: &str, left: Option<Duration>) -> String {
+    match left.map(|left| left.as_secs_f64().ceil() as u64) {
+        Some(left) => format!("{stage}, {done}, about {}:{:02} left", left / 60, left % 60),
+        None => format!("{stage}, {done}"),
+    }
+}
+
+pub(crate) fn exported(path: &Path) -> String {
+    format!("Written: {}", path.display())
+}
+
+pub(crate) fn folder_name(title: &str) -> String {
+    format!("{title} creature")
+}
+
+pub(crate) fn pictures_name(title: &str) -> String {
+    format!("{title} frames")
+}
+
+pub(crate) fn sheet_name(title: &str) -> String {
+    format!("{title} sheet")
+}
+
+pub(crate) fn size_name(width: u32, height: u32, of_clip: bool) -> String {
+    if of_clip { format!("{width} × {height}, as the clip") } else { format!("{width} × {height}") }
+}
+
+pub(crate) fn model_about(vertices: u64, triangles: u64, bones: u32, frames: u64) -> String {
+    format!("{vertices} vertices, {triangles} triangles, {bones} bones, {frames} frames.")
+}
+
+pub(crate) fn animation_about(frames: u64, fps: f64, film: bool, gif: bool) -> String {
+    let about = format!("{frames} frames, {} a second.", (fps * 100.0).round() / 100.0);
+    match (film, gif) {
+        (true, _) => format!("{about} Films are not see-through."),
+        (_, true) => format!("{about} Edges of a see-through GIF are hard."),
+        _ => about,
+    }
+}
+
+pub(crate) fn session_file(title: &str) -> String {
+    format!("{title}.marey")
+}
+
+pub(crate) fn with_session_ending(path: &Path) -> PathBuf {
+    let mut name = path.as_os_str().to_owned();
+    name.push(".marey");
+    name.into()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_are_said_as_people_say_them() {
+        assert_eq!(
+            progress("tracking", "37 %", Some(Duration::from_millis(71_200))),
+            "tracking, 37 %, about 1:12 left"
+        );
+        assert_eq!(progress("tracking", "frame 3 of 9", None), "tracking, frame 3 of 9");
+        assert_eq!([ago(3), ago(60), ago(7300), ago(90_000)], ["just now", "1 minute ago", "2 hours ago", "1 day ago"]);
+        assert_eq!(place_in_time(0, 60, 0.0), " 1 / 60    0.00 s");
+        assert_eq!(place_in_time(0, 0, 0.0), "0 / 0    0.00 s");
+    }
+}

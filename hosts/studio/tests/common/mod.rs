@@ -1,0 +1,146 @@
+//! The studio as tests use it: by what its widgets are called, by mouse and keyboard, without a window.
+#![allow(dead_code, unreachable_pub, reason = "each test file uses its share")]
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable as _;
+use marey_studio::egui::{Pos2, Theme, vec2};
+use marey_studio::{Places, Studio};
+
+/// Longer than anything here takes on a slow machine.
+const PATIENCE: Duration = Duration::from_secs(120);
+
+/// A person at the studio, with folders of their own.
+pub struct Desk {
+    pub harness: Harness<'static, Studio>,
+    pub folder: Arc<tempfile::TempDir>,
+}
+
+impl Desk {
+    pub fn new() -> Self {
+        Self::in_folder(Arc::new(tempfile::tempdir().unwrap()), Theme::Dark)
+    }
+
+    /// The studio started once more.
+    pub fn again(self) -> Self {
+        let folder = self.folder.clone();
+        drop(self);
+        Self::in_folder(folder, Theme::Dark)
+    }
+
+    pub fn in_folder(folder: Arc<tempfile::TempDir>, theme: Theme) -> Self {
+        std::fs::create_dir_all(folder.path().join("home")).unwrap();
+        let places = Places::in_folder(&folder.path().join("data"), &folder.path().join("home")).unwrap();
+        let harness = Harness::builder()
+            .with_size(vec2(1376.0, 876.0))
+            .with_theme(theme)
+            .with_step_dt(1.0 / 60.0)
+            .with_render_cursor(false)
+            .build_ui_state(|ui, studio: &mut Studio| studio.ui(ui), Studio::new(places).unwrap());
+        Self { harness, folder }
+    }
+
+    pub fn home(&self) -> PathBuf {
+        self.folder.path().join("home")
+    }
+
+    /// Lets time pass until something is so.
+    pub fn wait(&mut self, what: &str, so: impl Fn(&Studio) -> bool) {
+        let began = Instant::now();
+        loop {
+            self.harness.step();
+            if so(self.harness.state()) {
+                break;
+            }
+            assert!(began.elapsed() < PATIENCE, "waited for: {what}; said: {:?}", self.harness.state().notices());
+            std::thread::sleep(Duration::from_millis(4));
+        }
+        self.harness.step();
+        self.harness.check_accessibility();
+    }
+
+    pub fn wait_open(&mut self) {
+        self.wait("the clip to open", |studio| studio.open().is_some());
+        self.harness.run_steps(3);
+    }
+
+    /// Lets go of files over the window.
+    pub fn drop_file(&mut self, path: &Path) {
+        self.harness.input_mut().dropped_files.push(Arc::new(Dropped(path.to_owned())));
+        self.harness.step();
+    }
+
+    pub fn click(&mut self, label: &str) {
+        self.harness.get_by_label(label).click();
+        self.harness.run_steps(3);
+    }
+
+    /// Lets so many milliseconds pass.
+    pub fn rest(&mut self, milliseconds: u64) {
+        let until = Instant::now() + Duration::from_millis(milliseconds);
+        while Instant::now() < until {
+            self.harness.step();
+            std::thread::sleep(Duration::from_millis(16));
+        }
+    }
+
+    /// Draws along places of the clip.
+    pub fn draw(&mut self, points: &[(f32, f32)]) {
+        let last = self.press_along(points);
+        self.harness.drop_at(last);
+        self.harness.step();
+        self.harness.run_steps(2);
+    }
+
+    /// The same, with the button still held; gives where.
+    pub fn press_along(&mut self, points: &[(f32, f32)]) -> Pos2 {
+        let at: Vec<Pos2> = points.iter().map(|p| self.harness.state().open().unwrap().on_screen(*p)).collect();
+        self.harness.hover_at(at[0]);
+        self.harness.drag_at(at[0]);
+        for pair in at.windows(2) {
+            for step in 1..=8 {
+                self.harness.hover_at(pair[0].lerp(pair[1], step as f32 / 8.0));
+            }
+        }
+        *at.last().unwrap()
+    }
+
+    pub fn limbs(&self) -> Vec<String> {
+        self.harness.state().open().unwrap().limbs()
+    }
+}
+
+#[derive(Debug)]
+struct Dropped(PathBuf);
+
+impl marey_studio::egui::DroppedFile for Dropped {
+    fn path(&self) -> &Path {
+        &self.0
+    }
+
+    fn bytes(&self) -> Result<Vec<u8>, String> {
+        std::fs::read(&self.0).map_err(|e| e.to_string())
+    }
+}
+
+pub const BAR_FRAMES: u32 = 8;
+
+/// Pictures of a dark bar that wanders over light ground; in frame 0 it lies from (30, 32) to (60, 32).
+pub fn bar(folder: &Path) -> PathBuf {
+    let clip = folder.join("bar");
+    std::fs::create_dir(&clip).unwrap();
+    for frame in 0..BAR_FRAMES {
+        let at = 30 + 2 * frame;
+        let image = image::RgbImage::from_fn(96, 64, |x, y| {
+            let bar = x >= at && x < at + 30 && (26..38).contains(&y);
+            let grain = ((x * 37 + y * 91) % 17) as u8;
+            if bar { image::Rgb([60 + grain, 40, 30]) } else { image::Rgb([190, 200 - grain, 180 + grain]) }
+        });
+        image.save(clip.join(format!("{frame:05}.png"))).unwrap();
+    }
+    clip
+}
