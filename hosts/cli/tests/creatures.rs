@@ -94,7 +94,7 @@ fn textures_go_out_and_come_back_and_are_taken_from_anything() {
 
     let texture = |args: &[&str], code: i32| fails(folder, &[&["texture", "bar", "-o", "a.glb"], args].concat(), code);
     assert!(texture(&[], 2).contains("--like"));
-    assert!(texture(&["--painted", "clip"], 3).contains("body"));
+    assert!(texture(&["--painted", "clip"], 3).contains("skin.png"));
     assert!(texture(&["--painted", "nowhere"], 3).contains("nowhere"));
     assert!(texture(&["--material", "pink.png", "--limbs", "wing"], 3).contains("wing"));
     assert!(texture(&["--material", "strokes.json"], 3).contains("strokes.json"));
