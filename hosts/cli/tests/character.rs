@@ -2,54 +2,17 @@
 //! and what is said where something is wrong.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output, Stdio};
+mod common;
+
+use std::path::PathBuf;
+use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
+use common::{Desk, fails, report, sample};
 use image::{Rgba, RgbaImage};
 use serde_json::{Value, json};
 
-fn marey(args: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_marey")).args(args).output().unwrap()
-}
-
-/// The one line of a failure.
-fn fails(args: &[&str], exit_code: i32) -> String {
-    let output = marey(args);
-    let said = String::from_utf8(output.stderr).unwrap();
-    assert_eq!(output.status.code(), Some(exit_code), "{args:?}: {said}");
-    assert_eq!(said.lines().count(), 1, "{args:?}: {said}");
-    said
-}
-
-fn report(args: &[&str]) -> Value {
-    let output = marey(&[args, &["--json"]].concat());
-    assert!(output.status.success(), "{args:?}: {}", String::from_utf8_lossy(&output.stderr));
-    serde_json::from_slice(&output.stdout).unwrap()
-}
-
-fn sample(name: &str) -> String {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/characters/child").join(name);
-    path.to_str().unwrap().to_owned()
-}
-
-/// A folder of a test's own, and names in it.
-struct Desk(tempfile::TempDir);
-
 impl Desk {
-    fn new() -> Self {
-        Self(tempfile::tempdir().unwrap())
-    }
-
-    fn path(&self, name: &str) -> String {
-        self.0.path().join(name).to_str().unwrap().to_owned()
-    }
-
-    fn write(&self, name: &str, text: impl AsRef<[u8]>) -> String {
-        std::fs::write(self.path(name), text).unwrap();
-        self.path(name)
-    }
-
     /// A picture of what is nearer to one of the lines than its half width.
     fn drawing(&self, name: &str, size: (u32, u32), lines: &[([f32; 4], f32)]) -> String {
         let inside = |x: f32, y: f32| {
@@ -109,7 +72,16 @@ fn joints(rig: &str) -> Vec<(String, [f64; 2])> {
 fn the_bundled_child_is_rigged_and_its_rig_is_read_again() {
     let desk = Desk::new();
     let (rig, preview) = (desk.path("rig.json"), desk.path("rig.png"));
-    let said = report(&["rig", &sample("drawing.png"), "-o", &rig, "--preview", &preview, "--vertices", "600"]);
+    let said = report(&[
+        "rig",
+        &sample("characters/child/drawing.png"),
+        "-o",
+        &rig,
+        "--preview",
+        &preview,
+        "--vertices",
+        "600",
+    ]);
     let character = &said["character"];
     assert!(character["joints"].as_u64().unwrap() >= 8, "{character}");
     assert_eq!(character["bones"].as_u64().unwrap(), character["joints"].as_u64().unwrap() - 1, "one tree");
@@ -230,7 +202,11 @@ fn the_strokes_of_a_tracked_animal_move_a_drawn_one() {
 #[test]
 fn the_bundled_child_walks_and_every_picture_is_read_by_others() {
     let desk = Desk::new();
-    let (picture, rig, poses) = (sample("drawing.png"), sample("rig.json"), sample("poses.json"));
+    let (picture, rig, poses) = (
+        sample("characters/child/drawing.png"),
+        sample("characters/child/rig.json"),
+        sample("characters/child/poses.json"),
+    );
     let play = |out: &str, more: &[&str]| {
         let out = desk.path(out);
         report(&[&["character", &picture, "--rig", &rig, "--poses", &poses, "-o", &out], more].concat())

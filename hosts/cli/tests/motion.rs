@@ -1,28 +1,10 @@
 //! Loops, steady feet, other times and other creatures, as a user of the command line meets them.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
-use std::process::{Command, Output};
+mod common;
 
-use serde_json::{Value, json};
-
-fn marey(args: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_marey")).args(args).output().unwrap()
-}
-
-/// The one line of a failure.
-fn fails(args: &[&str], exit_code: i32) -> String {
-    let output = marey(args);
-    let said = String::from_utf8(output.stderr).unwrap();
-    assert_eq!(output.status.code(), Some(exit_code), "{args:?}: {said}");
-    assert_eq!(said.lines().count(), 1, "{args:?}: {said}");
-    said
-}
-
-fn report(args: &[&str]) -> Value {
-    let output = marey(&[args, &["--json"]].concat());
-    assert!(output.status.success(), "{args:?}: {}", String::from_utf8_lossy(&output.stderr));
-    serde_json::from_slice(&output.stdout).unwrap()
-}
+use common::{fails, report};
+use serde_json::json;
 
 /// A body on two legs that walk, with a stride of `period` frames; `names` of the body and the legs.
 fn walk(names: [&str; 3], period: f64, length: f64) -> String {

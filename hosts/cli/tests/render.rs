@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{bar, fails, marey};
+use common::{bar, fails_in, marey_in};
 use serde_json::Value;
 
 #[test]
@@ -22,7 +22,7 @@ fn creatures_are_drawn_from_any_side_into_any_format() {
     for (args, frames, size) in cases {
         let mut all = vec!["render", "bar", "--adapter", "cpu", "--json"];
         all.extend(args);
-        let output = marey(folder, &all);
+        let output = marey_in(folder, &all);
         assert!(output.status.success(), "{args:?}: {}", String::from_utf8_lossy(&output.stderr));
         let report: Value = serde_json::from_slice(&output.stdout).unwrap();
         assert_eq!((report["frames"].as_u64(), report["renderer"].as_str()), (Some(frames), Some("CPU")), "{args:?}");
@@ -56,7 +56,7 @@ fn what_cannot_be_drawn_is_said_in_a_line() {
     let render = |args: &[&str], code: i32| {
         let mut all = vec!["render", "bar", "--adapter", "cpu"];
         all.extend(args);
-        let said = fails(folder, &all, code);
+        let said = fails_in(folder, &all, code);
         assert_eq!(said.lines().count(), 1, "{args:?}: {said}");
         said
     };
@@ -70,6 +70,6 @@ fn what_cannot_be_drawn_is_said_in_a_line() {
     assert!(render(&["-o", "a.gif", "--shadow", "7"], 3).contains("shadow"));
     assert!(render(&["-o", "a.bmp"], 3).contains("bmp"));
     assert!(render(&["-o", "no/a.gif"], 3).contains("no"));
-    assert!(fails(folder, &["render", "nobody", "-o", "a.gif"], 3).contains("nobody"));
+    assert!(fails_in(folder, &["render", "nobody", "-o", "a.gif"], 3).contains("nobody"));
     assert!(!folder.join("a.gif").exists());
 }

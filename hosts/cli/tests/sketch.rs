@@ -1,52 +1,15 @@
 //! Vector drawings that take a motion, as a user of the command line meets them.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
-use std::path::Path;
-use std::process::{Command, Output};
+mod common;
 
+use std::path::Path;
+
+use common::{Desk, fails, marey, report, sample};
 use image::{Rgb, RgbImage};
 use serde_json::{Value, json};
 
-fn marey(args: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_marey")).args(args).output().unwrap()
-}
-
-/// The one line of a failure.
-fn fails(args: &[&str], exit_code: i32) -> String {
-    let output = marey(args);
-    let said = String::from_utf8(output.stderr).unwrap();
-    assert_eq!(output.status.code(), Some(exit_code), "{args:?}: {said}");
-    assert_eq!(said.lines().count(), 1, "{args:?}: {said}");
-    said
-}
-
-fn report(args: &[&str]) -> Value {
-    let output = marey(&[args, &["--json"]].concat());
-    assert!(output.status.success(), "{args:?}: {}", String::from_utf8_lossy(&output.stderr));
-    serde_json::from_slice(&output.stdout).unwrap()
-}
-
-fn sample(name: &str) -> String {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data").join(name).to_str().unwrap().to_owned()
-}
-
-/// A folder of a test's own, and names in it.
-struct Desk(tempfile::TempDir);
-
 impl Desk {
-    fn new() -> Self {
-        Self(tempfile::tempdir().unwrap())
-    }
-
-    fn path(&self, name: &str) -> String {
-        self.0.path().join(name).to_str().unwrap().to_owned()
-    }
-
-    fn write(&self, name: &str, text: impl AsRef<[u8]>) -> String {
-        std::fs::write(self.path(name), text).unwrap();
-        self.path(name)
-    }
-
     /// The motion of the bundled fish.
     fn swim(&self) -> String {
         let motion = self.path("swim.json");

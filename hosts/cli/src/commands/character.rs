@@ -5,9 +5,9 @@ use std::path::Path;
 use marey_binding::{Area, Character, CharacterOptions, Motion, RetargetOptions, TakeFileOptions, TakeOptions};
 use serde_json::{Value, json};
 
-use super::{Session, check_file, utf8};
+use super::{Session, check_file, text_of, utf8};
 use crate::args::{self, Carry};
-use crate::failure::{BAD_INPUT, BAD_USE, FAILED, Failure};
+use crate::failure::{BAD_USE, FAILED, Failure};
 use crate::say;
 use crate::watch::watch;
 
@@ -65,7 +65,7 @@ pub(crate) fn character(session: &Session, args: &args::Character) -> Result<(),
         ..CharacterOptions::default()
     };
     let character = made(session, &options)?;
-    let map = map_text(&args.carry)?;
+    let map = text_of(args.carry.map.as_deref(), "marey-map")?;
     let take = TakeOptions {
         deformer: &args.deformer,
         area: match args.area {
@@ -131,7 +131,7 @@ pub(crate) fn retarget(session: &Session, args: &args::Retarget) -> Result<(), F
     check_file(&args.output)?;
     args.carry.keep_map.as_deref().map(check_file).transpose()?;
     let character = made(session, &CharacterOptions { rig: utf8(&args.rig)?, ..CharacterOptions::default() })?;
-    let map = map_text(&args.carry)?;
+    let map = text_of(args.carry.map.as_deref(), "marey-map")?;
     let options = carrying(&args.carry, &map);
     let motion = read_motion(session, &args.motion, args.carry.view)?;
     let carried = motion.retarget(&character, &options)?;
@@ -214,14 +214,6 @@ pub(super) fn write_motion(motion: &Motion, path: &Path) -> Result<(), Failure> 
         motion.write(utf8(path)?)?;
     }
     Ok(())
-}
-
-/// The text of the map that was given, or nothing.
-fn map_text(carry: &Carry) -> Result<String, Failure> {
-    let Some(path) = &carry.map else { return Ok(String::new()) };
-    let bad = |problem: String| Failure::new(BAD_INPUT, format!("{}: {problem}", path.display()));
-    let text = std::fs::read_to_string(path).map_err(|e| bad(format!("cannot be read: {e}")))?;
-    if text.is_empty() { Err(bad("is empty; expected a marey-map file".into())) } else { Ok(text) }
 }
 
 fn carrying<'a>(carry: &'a Carry, map: &'a str) -> RetargetOptions<'a> {

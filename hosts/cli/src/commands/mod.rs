@@ -120,6 +120,14 @@ fn check_file(path: &Path) -> Result<(), Failure> {
     }
 }
 
+/// The text of a `kind` file, for a map or poses that the library reads as text; none where no file was given.
+fn text_of(path: Option<&Path>, kind: &str) -> Result<String, Failure> {
+    let Some(path) = path else { return Ok(String::new()) };
+    let bad = |problem: String| Failure::new(BAD_INPUT, format!("{}: {problem}", path.display()));
+    let text = std::fs::read_to_string(path).map_err(|e| bad(format!("cannot be read: {e}")))?;
+    if text.is_empty() { Err(bad(format!("is empty; expected a {kind} file"))) } else { Ok(text) }
+}
+
 /// Masks as asked for, else those in the creature's folder.
 fn masks_of(session: &Session, masks: Option<&Path>, creature: &Path) -> Result<Option<Clip>, Failure> {
     let beside = creature.join("masks");

@@ -1,14 +1,12 @@
 //! `marey motion ...`: what can be made of a motion.
 
-use std::path::Path;
-
 use marey_binding::{LimbMapOptions, LoopOptions, Motion, PlantOptions, RetimeOptions};
 use serde_json::{Value, json};
 
 use super::character::{parsed, read_motion, write_motion};
-use super::{Session, check_file};
+use super::{Session, check_file, text_of};
 use crate::args::Angles;
-use crate::failure::{BAD_INPUT, BAD_USE, FAILED, Failure};
+use crate::failure::{BAD_USE, FAILED, Failure};
 use crate::motion_args::{Cycle, Easing, Loop, Map, MotionCommand, Plant, Retime, Smooth, Through};
 use crate::say;
 
@@ -164,7 +162,7 @@ fn retime(session: &Session, args: &Retime) -> Result<(), Failure> {
 fn map(session: &Session, args: &Map) -> Result<(), Failure> {
     args.keep_map.as_deref().map(check_file).transpose()?;
     let creature = read_motion(session, &args.onto, args.through.view)?;
-    let given = args.map.as_deref().map(text_of).transpose()?.unwrap_or_default();
+    let given = text_of(args.map.as_deref(), "marey-limb-map")?;
     let options = LimbMapOptions {
         absolute: args.angles == Angles::Absolute,
         mirror: args.mirror,
@@ -189,11 +187,4 @@ fn map(session: &Session, args: &Map) -> Result<(), Failure> {
         }
         Ok((made, json!({ "map": map }), said))
     })
-}
-
-/// The text of a map; an empty file is none.
-fn text_of(path: &Path) -> Result<String, Failure> {
-    let bad = |problem: String| Failure::new(BAD_INPUT, format!("{}: {problem}", path.display()));
-    let text = std::fs::read_to_string(path).map_err(|e| bad(format!("cannot be read: {e}")))?;
-    if text.is_empty() { Err(bad("is empty; expected a marey-limb-map file".into())) } else { Ok(text) }
 }

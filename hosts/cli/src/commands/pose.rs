@@ -1,20 +1,18 @@
 //! `marey pose CREATURE (--poses POSES.json | --motion MOTION) -o OUT.glb`
 
-use std::path::Path;
-
 use marey_binding::{Creature, ReposeOptions};
 use serde_json::{Value, json};
 
 use super::character::{parsed, read_motion};
-use super::{Session, check_file, utf8};
+use super::{Session, check_file, text_of, utf8};
 use crate::args::{self, Angles, Lengths};
-use crate::failure::{BAD_INPUT, BAD_USE, FAILED, Failure};
+use crate::failure::{BAD_USE, FAILED, Failure};
 use crate::say;
 
 pub(crate) fn pose(session: &Session, args: &args::Pose) -> Result<(), Failure> {
     check_file(&args.output)?;
     args.keep_map.as_deref().map(check_file).transpose()?;
-    let map = args.map.as_deref().map(text_of).transpose()?.unwrap_or_default();
+    let map = text_of(args.map.as_deref(), "marey-limb-map")?;
     let options = ReposeOptions {
         keep_lengths: args.lengths.map(|lengths| lengths == Lengths::Kept),
         stretch: args.stretch,
@@ -29,7 +27,7 @@ pub(crate) fn pose(session: &Session, args: &args::Pose) -> Result<(), Failure> 
     let mut followed = Value::Null;
     let posed = match (&args.poses, &args.motion) {
         (Some(poses), _) => creature
-            .repose(&with_rate(&text_of(poses)?, args.fps), &options)
+            .repose(&with_rate(&text_of(Some(poses), "marey-strokes")?, args.fps), &options)
             .map_err(|e| Failure::from(e).about(poses))?,
         (None, Some(path)) => {
             let motion = read_motion(session, path, args.view)?;
@@ -84,11 +82,4 @@ fn with_rate(poses: &str, fps: Option<f64>) -> String {
         }
         _ => poses.to_owned(),
     }
-}
-
-/// A file that must say something.
-fn text_of(path: &Path) -> Result<String, Failure> {
-    let bad = |problem: String| Failure::new(BAD_INPUT, format!("{}: {problem}", path.display()));
-    let text = std::fs::read_to_string(path).map_err(|e| bad(format!("cannot be read: {e}")))?;
-    if text.is_empty() { Err(bad("is empty".into())) } else { Ok(text) }
 }

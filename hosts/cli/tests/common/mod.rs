@@ -1,21 +1,68 @@
-//! A creature of a few frames, and how the command line is called.
+//! How the command line is called, a test's own folder, and a creature of a few frames.
+#![allow(dead_code, reason = "each file of tests uses what it needs of it")]
 
 use std::path::Path;
 use std::process::{Command, Output};
 
+use serde_json::Value;
+
 const STROKES: &str = r#"{"format":"marey-strokes","version":1,"size":[96,64],"limbs":[{"label":"body"}],
     "keyframes":[{"frame":0,"strokes":[{"limb":"body","points":[[33,32],[57,32]]}]}]}"#;
 
-pub(crate) fn marey(folder: &Path, args: &[&str]) -> Output {
+/// A file of the bundled data.
+pub(crate) fn sample(name: &str) -> String {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data").join(name).to_str().unwrap().to_owned()
+}
+
+/// A folder of a test's own, and names in it.
+pub(crate) struct Desk(pub(crate) tempfile::TempDir);
+
+impl Desk {
+    pub(crate) fn new() -> Self {
+        Self(tempfile::tempdir().unwrap())
+    }
+
+    pub(crate) fn path(&self, name: &str) -> String {
+        self.0.path().join(name).to_str().unwrap().to_owned()
+    }
+
+    pub(crate) fn write(&self, name: &str, text: impl AsRef<[u8]>) -> String {
+        std::fs::write(self.path(name), text).unwrap();
+        self.path(name)
+    }
+}
+
+pub(crate) fn marey_in(folder: &Path, args: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_marey")).current_dir(folder).args(args).output().unwrap()
 }
 
-pub(crate) fn fails(folder: &Path, args: &[&str], exit_code: i32) -> String {
-    let output = marey(folder, args);
+/// The one line of a failure, which leaves stdout to reports.
+pub(crate) fn fails_in(folder: &Path, args: &[&str], exit_code: i32) -> String {
+    let output = marey_in(folder, args);
     let said = String::from_utf8(output.stderr).unwrap();
     assert_eq!(output.status.code(), Some(exit_code), "{args:?}: {said}");
-    assert!(output.stdout.is_empty(), "{args:?}: a failure leaves stdout to reports");
+    assert!(output.stdout.is_empty(), "{args:?}: {}", String::from_utf8_lossy(&output.stdout));
+    assert_eq!(said.lines().count(), 1, "{args:?}: {said}");
     said
+}
+
+/// The report of a command that succeeds.
+pub(crate) fn report_in(folder: &Path, args: &[&str]) -> Value {
+    let output = marey_in(folder, &[args, &["--json"]].concat());
+    assert!(output.status.success(), "{args:?}: {}", String::from_utf8_lossy(&output.stderr));
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+pub(crate) fn marey(args: &[&str]) -> Output {
+    marey_in(Path::new("."), args)
+}
+
+pub(crate) fn fails(args: &[&str], exit_code: i32) -> String {
+    fails_in(Path::new("."), args, exit_code)
+}
+
+pub(crate) fn report(args: &[&str]) -> Value {
+    report_in(Path::new("."), args)
 }
 
 /// A creature of a dark bar that wanders over light ground for six frames.
@@ -31,6 +78,6 @@ pub(crate) fn bar(folder: &Path) {
         image.save(folder.join(format!("clip/{frame:05}.png"))).unwrap();
     }
     std::fs::write(folder.join("strokes.json"), STROKES).unwrap();
-    let made = marey(folder, &["creature", "clip", "--strokes", "strokes.json", "-o", "bar"]);
+    let made = marey_in(folder, &["creature", "clip", "--strokes", "strokes.json", "-o", "bar"]);
     assert!(made.status.success(), "{}", String::from_utf8_lossy(&made.stderr));
 }
