@@ -3,6 +3,7 @@
 use glam::Vec2;
 use serde::{Deserialize, Serialize};
 
+use super::SettledPose;
 use crate::rig::Side;
 
 /// A limb of a creature. Its bones stand evenly along its stroke, from the end nearer to the root outward, each on the
@@ -34,9 +35,12 @@ pub struct CreatureLimb {
     pub offset: f32,
     /// How far each bone stands from the place on the limb's stroke that it belongs to, along the stroke and to its
     /// right as the image shows it, seen from the end nearer to the root: strokes are drawn where it is easy, axes lie
-    /// in the middle. Empty for nothing.
+    /// in the middle. This is what is usual; empty for nothing.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub settled: Vec<Vec2>,
+    /// The same for poses that were seen.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub settled_poses: Vec<SettledPose>,
 }
 
 /// Where a limb hangs.
@@ -53,25 +57,4 @@ impl CreatureLimb {
     pub fn bone_range(&self) -> std::ops::Range<usize> {
         self.first_bone..self.first_bone + self.bones
     }
-
-    /// Moves places along the limb, from the end nearer to the root, from its stroke to its axis, or `back`.
-    pub(super) fn settle(&self, points: &mut [Vec2], back: bool) {
-        let (Some(last), true) = (self.settled.len().checked_sub(1), points.len() > 1) else { return };
-        let span = (points.len() - 1) as f32;
-        let moved = points.iter().enumerate().map(|(i, p)| {
-            let at = i as f32 / span * last as f32;
-            let k = (at as usize).min(last);
-            let offset = self.settled[k].lerp(self.settled[(k + 1).min(last)], at - k as f32);
-            let way = direction(points, i) * if back { -1.0 } else { 1.0 };
-            *p + way * offset.x + way.perp() * offset.y
-        });
-        let moved: Vec<Vec2> = moved.collect();
-        points.copy_from_slice(&moved);
-    }
-}
-
-/// Where a line points at one of its points, over a twentieth of its length to both sides.
-pub(super) fn direction(points: &[Vec2], i: usize) -> Vec2 {
-    let reach = (points.len() / 20).max(1);
-    (points[(i + reach).min(points.len() - 1)] - points[i.saturating_sub(reach)]).normalize_or_zero()
 }

@@ -184,19 +184,20 @@ impl Creature {
     fn follow(&self, motion: &Motion, map: &LimbMap, mirror: bool) -> Result<(Vec<Option<Followed>>, f32)> {
         let follow = |limb: &CreatureLimb| Some(Followed::new(motion, map.limbs.get(&limb.label)?, mirror));
         let followed: Vec<Option<Followed>> = self.limbs.iter().map(follow).collect();
-        let (mut own, mut theirs) = (0.0, 0.0);
+        let (mut strokes, mut axes, mut theirs) = (0.0, 0.0, 0.0);
         for (limb, followed) in self.limbs.iter().zip(&followed) {
             if let Some(followed) = followed {
-                own += limb.length;
+                strokes += limb.stroke_length();
+                axes += limb.length;
                 theirs += followed.length;
             }
         }
         if !(theirs > 0.0 && theirs.is_finite()) {
             return Err(Error::invalid("motion", "has strokes of no length or of no bounds", "give tracks of limbs"));
         }
-        let ratio: f32 = own / theirs;
-        // Lengths of one body differ by so much between one tracking and the next.
-        Ok((followed, if (ratio - 1.0).abs() < SAME { 1.0 } else { ratio }))
+        // Lengths of one body differ by so much between one tracking and the next, and its motion may be tracked or its bones'.
+        let same = [strokes, axes].iter().any(|own: &f32| (own / theirs - 1.0).abs() < SAME);
+        Ok((followed, if same { 1.0 } else { strokes / theirs }))
     }
 
     /// The creature moved by `motion` carried onto its own limbs first.

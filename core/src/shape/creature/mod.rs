@@ -17,6 +17,7 @@ mod posing;
 mod radius;
 mod refine;
 mod reposing;
+mod settling;
 mod skin;
 mod strain;
 mod texture;
@@ -36,6 +37,7 @@ pub use edit::{EditKind, EditedMesh, apply_edit};
 pub use params::{CreatureParams, CrossSection, LegSpread, Surface};
 pub use pose_keys::{PoseKey, PoseKeys};
 pub use posing::{LimbPose, PoseParams};
+pub use settling::SettledPose;
 pub use strain::LimbStrain;
 
 use self::axis::Axis;
@@ -90,8 +92,14 @@ impl Creature {
                 return bad("hangs from or pairs with a limb that is not there");
             }
             let real = [limb.length, limb.radius, limb.offset].iter().all(|v| v.is_finite());
-            if !(real && limb.settled.iter().all(|v| v.is_finite())) {
+            let mut moved =
+                limb.settled_poses.iter().flat_map(|p| p.stroke.iter().chain(&p.moved)).chain(&limb.settled);
+            if !(real && moved.all(|v| v.is_finite())) {
                 return bad("holds something that is no number");
+            }
+            let bones = limb.settled.len();
+            if limb.settled_poses.iter().any(|p| (p.stroke.len(), p.moved.len()) != (bones, bones)) {
+                return bad("has settled poses of another number of bones");
             }
         }
         // A chain of parents longer than there are limbs goes round.
@@ -402,40 +410,26 @@ fn finished_limbs(
     limbs
         .iter()
         .enumerate()
-        .map(|(l, limb)| CreatureLimb {
-            label: limb.label.clone(),
-            side: limb.side,
-            twin: limb.twin,
-            parent: limb.parent.map(|(limb, at_end)| Hold { limb, at_end }),
-            reversed: !skeleton.limbs[l].rooted_at_start,
-            first_bone: bones.of_limb[l].first().copied().unwrap_or(0),
-            bones: bones.of_limb[l].len(),
-            length: path::full_length(&limb.axis),
-            radius: limb.mean_radius(),
-            offset: limb.offset,
-            settled: settled(&strokes[l], &limb.axis, bones.of_limb[l].len()),
-        })
-        .collect()
-}
-
-/// How far an axis has settled from its stroke at each bone: the median over all frames.
-fn settled(stroke: &Axis, axis: &Axis, bones: usize) -> Vec<glam::Vec2> {
-    let core = axis.first..=axis.last;
-    let at = |k: usize| ((axis.last - axis.first) as f32 * k as f32 / (bones - 1).max(1) as f32).round() as usize;
-    let median = |mut values: Vec<f32>| {
-        values.sort_by(f32::total_cmp);
-        values.get(values.len() / 2).copied().unwrap_or(0.0)
-    };
-    (0..bones)
-        .map(|k| {
-            let moved = stroke.frames.iter().zip(&axis.frames).map(|(from, to)| {
-                let (from, to) = (&from[core.clone()], &to[core.clone()]);
-                let way = creature_limb::direction(from, at(k));
-                let by = to[at(k)] - from[at(k)];
-                (by.dot(way), by.dot(way.perp()))
-            });
-            let (along, across): (Vec<f32>, Vec<f32>) = moved.unzip();
-            glam::vec2(median(along), median(across))
+        .map(|(l, limb)| {
+            let core = |axis: &Axis| -> Vec<Vec<glam::Vec2>> {
+                axis.frames.iter().map(|points| points[axis.first..=axis.last].to_vec()).collect()
+            };
+            let count = bones.of_limb[l].len();
+            let (settled, settled_poses) = settling::settled(&core(&strokes[l]), &core(&limb.axis), count);
+            CreatureLimb {
+                label: limb.label.clone(),
+                side: limb.side,
+                twin: limb.twin,
+                parent: limb.parent.map(|(limb, at_end)| Hold { limb, at_end }),
+                reversed: !skeleton.limbs[l].rooted_at_start,
+                first_bone: bones.of_limb[l].first().copied().unwrap_or(0),
+                bones: count,
+                length: path::full_length(&limb.axis),
+                radius: limb.mean_radius(),
+                offset: limb.offset,
+                settled,
+                settled_poses,
+            }
         })
         .collect()
 }

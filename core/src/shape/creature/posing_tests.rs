@@ -46,6 +46,7 @@ fn creature() -> Creature {
             radius: 5.0,
             offset,
             settled: Vec::new(),
+            settled_poses: Vec::new(),
         });
         for (k, bone) in chain::along(&curve(from, to, offset), count).into_iter().enumerate() {
             let above = if k > 0 { Some(bones.len() - 1) } else { held.map(|at_end| if at_end { 4 } else { 0 }) };

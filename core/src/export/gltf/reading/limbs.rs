@@ -74,6 +74,7 @@ fn by_names(model: &RiggedModel) -> Vec<CreatureLimb> {
             radius: radius(model, &world, *first..first + count),
             offset: parent.map_or(0.0, |_| places[count - 1].z - places[0].z),
             settled: Vec::new(),
+            settled_poses: Vec::new(),
         }
     };
     chains.iter().map(limb).collect()
