@@ -4,7 +4,7 @@
 //! Method: region growing by simple points, as in the topology correction of brain surfaces (Han et al. 2002). From a seed the
 //! ball takes the samples of the inside one by one, those of lowest rank first, each only if that changes no topology
 //! (Bertrand 1994: one component of the inside and one of the outside around it, for the pair of connectivities that
-//! [`super::iso_surface`] draws: 6 inside, 18 outside). What two fronts leave between them is cut by a gap of one sample.
+//! [`super::iso_surface()`] draws: 6 inside, 18 outside). What two fronts leave between them is cut by a gap of one sample.
 //! Hollows are filled before.
 //!
 //! Limits: what does not hang together with the seed is dropped; a real hole is cut open where its ring ranks highest.
@@ -117,7 +117,7 @@ impl Samples {
 /// Changes `field` so that its inside, below `level`, is one ball that holds the sample of lowest `rank` inside. `rank` has
 /// one number a sample; where two parts meet that must not, those of highest rank are given up. Returns how many samples
 /// that hung together with it were cut away. The grid's rim and what is no number count as outside, as in
-/// [`super::iso_surface`].
+/// [`super::iso_surface()`].
 pub fn keep_ball(field: &mut Field3, level: f32, rank: &[f32]) -> usize {
     let samples = Samples::new(field.dims);
     let n = field.values.len().min(rank.len());
