@@ -5,7 +5,8 @@ use std::collections::HashMap;
 use std::sync::{Mutex, PoisonError};
 
 use glam::{Affine2, Vec2};
-use image::RgbImage;
+use image::imageops::FilterType::Triangle;
+use image::{RgbImage, imageops};
 use rayon::prelude::*;
 
 use super::looks::{Levels, Rings};
@@ -21,6 +22,10 @@ use crate::track::limb::footage::LabImage;
 const PIXEL_BUDGET: usize = 100_000_000;
 /// Working pictures never get smaller than this on their long side, whatever the budget says.
 const LEAST_SIDE: u32 = 320;
+/// Clips with a shorter long side are enlarged to it, as far as the budget allows, twice at most: for them the steps of
+/// flow and of places, a pixel or half of one, are too coarse. Larger ones are no better on bars that swing.
+const ENLARGED: u32 = 400;
+const MOST_ENLARGED: u32 = 2;
 
 /// Longest side of the pictures that flow is found and whole limbs are tracked in: smaller ones lose thin legs and the
 /// outlines of drawings, larger ones cost seconds; what flow leaves open, the patches of [`Footage::follow`] find.
@@ -78,7 +83,13 @@ impl Footage {
         let area = f64::from(info.width) * f64::from(info.height);
         let affordable = (PIXEL_BUDGET as f64 / info.frames.max(1) as f64 / area).sqrt() * long;
         let side = working_side.min((affordable as u32).max(LEAST_SIDE));
-        let (width, height) = pyramid::fitted(info.width, info.height, side);
+        let enlarged = f64::from(ENLARGED.min(working_side)).min(affordable) / long;
+        let (width, height) = if enlarged > 1.0 {
+            let times = enlarged.min(f64::from(MOST_ENLARGED));
+            [info.width, info.height].map(|side| (times * f64::from(side)).round() as u32).into()
+        } else {
+            pyramid::fitted(info.width, info.height, side)
+        };
         let (reading, flowing) = (stage.part(0.0, 0.4), stage.part(0.4, 1.0));
         let (columns, rows) = pyramid::fitted(width, height, SMALL_SIDE);
         let frames: Vec<((Levels, RgbImage), (LabImage, Pyramid))> = (0..info.frames)
@@ -86,8 +97,13 @@ impl Footage {
             .map(|f| {
                 reading.at(f as f64 / info.frames as f64)?;
                 let picture = clip.frame(f)?;
-                let rgb = pyramid::shrunk(&picture.rgb, width, height);
-                let alpha = picture.alpha.as_ref().map(|a| shrunk_alpha(a, width, height));
+                let (rgb, alpha) = if enlarged > 1.0 {
+                    let alpha = picture.alpha.as_ref().map(|a| imageops::resize(a, width, height, Triangle));
+                    (imageops::resize(&picture.rgb, width, height, Triangle), alpha)
+                } else {
+                    let alpha = picture.alpha.as_ref().map(|a| shrunk_alpha(a, width, height));
+                    (pyramid::shrunk(&picture.rgb, width, height), alpha)
+                };
                 let small = pyramid::shrunk(&rgb, columns, rows);
                 let lab = Planes::lab(&small);
                 let lightness = lab.channel(0).data().iter().map(|l| l * 255.0).collect();
@@ -165,24 +181,30 @@ impl Footage {
         for (i, pixel) in patch.iter_mut().enumerate() {
             *pixel = before.between(p + place(i));
         }
-        let miss = |motion: Vec2| -> f32 {
+        // Infinite where it is no less than `most`: few motions need to be looked at in full.
+        let miss = |motion: Vec2, most: f32| -> f32 {
             let mut sum = 0.0;
-            for (i, pixel) in patch.iter().enumerate() {
-                let there = after.between(p + motion + place(i));
-                for c in 0..4 {
-                    sum += (pixel[c] - there[c]).abs().min(40.0);
+            for (row, pixels) in patch.chunks_exact(PATCH).enumerate() {
+                for (i, pixel) in pixels.iter().enumerate() {
+                    let there = after.between(p + motion + place(row * PATCH + i));
+                    for c in 0..4 {
+                        sum += (pixel[c] - there[c]).abs().min(40.0);
+                    }
+                }
+                if sum / (PATCH * PATCH) as f32 >= most {
+                    return f32::INFINITY;
                 }
             }
             sum / (PATCH * PATCH) as f32
         };
         let flow = |field: &FlowField, p: Vec2| field.at(p * self.shrunk) / self.shrunk;
         let own = flow(along, p);
-        let mut best = (own, miss(own));
+        let mut best = (own, miss(own, f32::INFINITY));
         for i in 0..8 {
             let around = p + Vec2::from_angle(std::f32::consts::FRAC_PI_4 * i as f32) * (AROUND * self.unit);
             let motion = flow(along, around);
             if motion.distance_squared(own) > 0.25 {
-                let cost = miss(motion) + 0.3;
+                let cost = miss(motion, best.1) + 0.3;
                 if cost < best.1 {
                     best = (motion, cost);
                 }
@@ -195,7 +217,8 @@ impl Footage {
                     let centre = best.0;
                     for (x, y) in [(-1.0, 0.0), (1.0, 0.0), (0.0, -1.0), (0.0, 1.0)] {
                         let motion = centre + step * Vec2::new(x, y);
-                        let cost = miss(motion) + PULL * motion.distance_squared(start);
+                        let pull = PULL * motion.distance_squared(start);
+                        let cost = miss(motion, best.1 - pull) + pull;
                         if cost < best.1 {
                             best = (motion, cost);
                         }
@@ -224,7 +247,7 @@ impl Footage {
                 }
             }
             for (_, motion) in found {
-                let there = exact((motion, miss(motion) + FAR * motion.distance(own)));
+                let there = exact((motion, miss(motion, f32::INFINITY) + FAR * motion.distance(own)));
                 if there.1 < BETTER * best.1 {
                     (best, searched) = (there, true);
                 }

@@ -4,7 +4,7 @@
 /// at worst.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PointParams {
-    /// Longest side of the working pictures; larger clips are reduced to it.
+    /// Longest side of the working pictures; larger clips are reduced to it, those below 400 enlarged, twice at most.
     pub working_side: u32,
     /// Places looked at in a frame, chosen by their colours.
     pub looked_at: usize,

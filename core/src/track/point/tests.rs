@@ -155,8 +155,8 @@ fn points_on_a_swinging_arm_guide_each_other_along_it() {
         });
         for (f, g) in guide.iter().enumerate() {
             let miss = (g.at / footage.footage.scale).distance(arm(f, r.expect("a place")));
-            // The arm goes on for 7 pixels beyond the outermost point, which may slide as far.
-            assert!(miss < 7.0, "frame {f}: {miss}");
+            // The arm goes on for 7 pixels beyond the outermost point, which may slide nearly as far.
+            assert!(miss < 6.0, "frame {f}: {miss}");
         }
     }
     let first = footage.guides.clone();
@@ -283,43 +283,38 @@ fn marks_of_another_clip_are_refused_and_a_cancel_stops() {
 
 #[test]
 fn the_tip_of_a_nodding_bar_is_kept() {
-    let end = |f: usize| vec2(60.0, 60.0) + 90.0 * Vec2::from_angle(0.06 * f as f32);
-    let bar = |f: usize| {
-        RgbImage::from_fn(200, 140, |x, y| {
-            let (p, d) = (vec2(x as f32, y as f32) - 60.0, end(f) - 60.0);
-            let t = (p.dot(d) / d.length_squared()).clamp(0.0, 1.0);
-            let inside = p.distance(t * d) < 14.0;
-            let (u, v) = ((t * 90.0) as i32, ((p.x * d.y - p.y * d.x) / 90.0) as i32);
-            let grain = ((u / 7 + v / 5).rem_euclid(2) * 60 + (u * 3 + v * 5).rem_euclid(40)) as u8;
-            if inside { Rgb([30 + grain, 40, 90]) } else { Rgb([225, 225, 220]) }
-        })
+    // Small pictures of a bar with a grain as fine as its steps, and of one that is only shaded.
+    let grained = |along: f32, across: f32| {
+        let (u, v) = (along as i32, across as i32);
+        let grain = ((u / 7 + v / 5).rem_euclid(2) * 60 + (u * 3 + v * 5).rem_euclid(40)) as u8;
+        Rgb([30 + grain, 40, 90])
     };
-    let clip = Clip::from_frames((0..8).map(bar).collect(), 24.0).expect("frames");
-    let mut marks = PointMarks { size: (200, 140), points: Vec::new() };
-    for (name, x) in [("root", 60.0), ("middle", 105.0), ("tip", 146.0)] {
-        marks.put(name, PointKey { frame: 0, at: vec2(x, 60.0) });
-    }
-    let base = PointParams::default();
-    for (what, params) in [
-        ("default", base.clone()),
-        ("no guide", PointParams { guide: 0.0, ..base.clone() }),
-        ("guide 1", PointParams { guide: 1.0, ..base.clone() }),
-        ("never left out", PointParams { dear: f32::INFINITY, ..base.clone() }),
-        ("soon left out", PointParams { dear: 1.0, ..base.clone() }),
-    ] {
-        let footage = PointFootage::read(&clip, &params, Progress::new().whole()).expect("read");
-        eprintln!("{what}");
-        let mut footage = footage;
-        footage.guide(&marks, Progress::new().whole()).expect("guided");
-        for (key, guide) in &footage.guides {
-            let scale = footage.footage.scale;
-            eprintln!("  guide of {}: {:?}", key.at / scale, guide.iter().map(|g| (g.at / scale, g.trust)).collect::<Vec<_>>());
+    let shaded = |along: f32, across: f32| {
+        let light = (10.0 * (0.08 * along).sin() + 2.0 * across.abs()) as i32;
+        Rgb([90, 60, 50].map(|c| (c + light) as u8))
+    };
+    let nodding: [(&dyn Fn(f32, f32) -> Rgb<u8>, fn(f32) -> f32); 2] =
+        [(&grained, |f| 0.06 * f), (&shaded, |f| 0.1 + 0.35 * (0.15 * f).sin())];
+    for (paint, turn) in nodding {
+        let root = vec2(60.0, 60.0);
+        let away = |f: usize| Vec2::from_angle(turn(f as f32));
+        let bar = |f: usize| {
+            RgbImage::from_fn(200, 140, |x, y| {
+                let p = vec2(x as f32, y as f32) - root;
+                let along = p.dot(away(f)).clamp(0.0, 90.0);
+                let inside = p.distance(along * away(f)) < 14.0;
+                if inside { paint(along, -p.perp_dot(away(f))) } else { Rgb([225, 225, 220]) }
+            })
+        };
+        let clip = Clip::from_frames((0..8).map(bar).collect(), 24.0).expect("frames");
+        let mut marks = PointMarks { size: (200, 140), points: Vec::new() };
+        for (name, along) in [("root", 0.0), ("middle", 45.0), ("tip", 86.0)] {
+            marks.put(name, PointKey { frame: 0, at: root + along * away(0) });
         }
-        let tracked = PointTracker { params }.track_points(&clip, &marks, Progress::new().whole()).expect("tracked");
-        for f in [3, 7] {
-            let want = vec2(60.0, 60.0) + 86.0 * Vec2::from_angle(0.06 * f as f32);
-            let at = tracked.tracks[2].frames[f].points[0];
-            eprintln!("  {f}: {at} want {want} off {:.1}; middle {}", at.distance(want), tracked.tracks[1].frames[f].points[0]);
+        let motion = track(&clip, &marks);
+        for f in 0..8 {
+            let miss = place(&motion, "tip", f).distance(root + 86.0 * away(f));
+            assert!(miss < 4.0, "frame {f}: {miss}");
         }
     }
 }
