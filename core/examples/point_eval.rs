@@ -1,15 +1,16 @@
 //! Measures the point tracker on clips with ground truth.
 //!
-//! `point_eval FOLDER... [motions=FOLDER] [within=PIXELS] [corrections=MOST] [PARAMETER=VALUE...] [/ PARAMETER=VALUE...]`: a folder has `frames/`, `rgba/` or
-//! `clip.mp4`, and either `points.json` with `points-truth.json` or `truth.json`
-//! (`{"frames": {"0": {"point": [x, y]}}}`), or only `truth.json` with the axes of limbs, of which twelve points are taken
-//! that a person might mark. `masks/` has the creature in every frame.
+//! `point_eval FOLDER... [motions=FOLDER] [within=PIXELS] [corrections=MOST] [every=FRAMES] [PARAMETER=VALUE...]
+//! [/ PARAMETER=VALUE...]`: a folder has `frames/`, `rgba/` or `clip.mp4`, and either `points.json` with
+//! `points-truth.json` or `truth.json` (`{"frames": {"0": {"point": [x, y]}}}`), or only `truth.json` with the axes of
+//! limbs, of which twelve points are taken that a person might mark. `masks/` has the creature in every frame.
 //!
-//! Prints, with one key a point: the shares of places right within 0.2 and 0.05 of the square root of the mask's area, the
-//! median error, swaps a thousand places (a place is swapped where it is within 8 pixels of another point's, and not of
-//! its own), and the share of places whose error is above the limit though their confidence is above a half. Then, as the
-//! worst place of all is corrected until every place is within 8 pixels: places a correction, and the same of the swaps
-//! with half of the corrections. Last, seconds of reading, of the first solve and of the slowest and the mean later one.
+//! Prints, with one key a point (with `every`, one on every so manieth frame as well): the shares of places right within
+//! 0.2 and 0.05 of the square root of the mask's area, the median error, swaps a thousand places (a place is swapped where
+//! it is within 8 pixels of another point's, and not of its own), and the share of places whose error is above the limit
+//! though their confidence is above a half. Then, as the worst place of all is corrected until every place is within 8
+//! pixels: places a correction, and the same of the swaps with half of the corrections. Last, seconds of reading, of the
+//! first solve and of the slowest and the mean later one.
 #![expect(clippy::print_stdout, reason = "an example speaks to a person")]
 
 use std::collections::BTreeMap;
@@ -63,6 +64,9 @@ fn set(p: &mut PointParams, key: &str, v: f32) -> Result<(), AnyError> {
         "shared" => &mut p.shared,
         "guide" => &mut p.guide,
         "guide_reach" => &mut p.guide_reach,
+        "dear" => &mut p.dear,
+        "smooth" => &mut p.smooth,
+        "leap" => &mut p.leap,
         "hidden" => &mut p.hidden,
         _ => return Err(format!("there is no parameter {key}").into()),
     };
@@ -125,6 +129,17 @@ impl Case {
         Ok(Self { clip, marks, truth, areas })
     }
 
+    /// Marks every point on every so manieth frame on which its place is known.
+    fn mark_every(&mut self, every: usize) {
+        for (f, points) in self.truth.iter().filter(|t| every > 0 && t.0 % every == 0) {
+            for (name, at) in points {
+                if self.marks.point(name).is_some_and(|p| p.key(*f).is_none()) {
+                    self.marks.put(name, PointKey { frame: *f, at: *at });
+                }
+            }
+        }
+    }
+
     /// Every place whose truth is known and that is no first key: frame, point, where it should be.
     fn places(&self) -> impl Iterator<Item = (usize, &PointMark, Vec2)> {
         self.truth.iter().flat_map(move |(f, points)| {
@@ -157,12 +172,13 @@ impl Case {
 
 fn main() -> Result<(), AnyError> {
     let mut sets = vec![(String::new(), PointParams::default())];
-    let (mut folders, mut motions, mut within, mut most) = (Vec::new(), None, 8.0f32, 1000usize);
+    let (mut folders, mut motions, mut within, mut most, mut every) = (Vec::new(), None, 8.0f32, 1000usize, 0usize);
     for arg in std::env::args().skip(1) {
         match arg.split_once('=') {
             Some(("motions", v)) => motions = Some(PathBuf::from(v)),
             Some(("within", v)) => within = v.parse()?,
             Some(("corrections", v)) => most = v.parse()?,
+            Some(("every", v)) => every = v.parse()?,
             Some((key, v)) => {
                 let last = sets.len() - 1;
                 set(&mut sets[last].1, key, v.parse()?)?;
@@ -181,7 +197,8 @@ fn main() -> Result<(), AnyError> {
     );
     let mut means = vec![(0.0f32, 0.0f32, 0.0f32); sets.len()];
     for folder in &folders {
-        let case = Case::read(folder)?;
+        let mut case = Case::read(folder)?;
+        case.mark_every(every);
         let progress = Progress::new();
         let start = Instant::now();
         let mut solver = PointFootage::read(&case.clip, &sets[0].1, progress.whole())?;

@@ -19,12 +19,12 @@ const LEAST_SIDE: u32 = 320;
 /// CIE Lab in a byte a channel: lightness over 0..=255, chroma doubled around 128 (it saturates beyond +-63, where
 /// only the purest paints lie).
 #[derive(Clone, Debug)]
-pub(super) struct LabImage {
+pub(in crate::track) struct LabImage {
     pixels: Grid<[u8; 3]>,
 }
 
 impl LabImage {
-    fn new(planes: &Planes) -> Self {
+    pub(in crate::track) fn new(planes: &Planes) -> Self {
         let byte = |v: f32| v.round().clamp(0.0, 255.0) as u8;
         let [l, a, b] = [0, 1, 2].map(|c| planes.channel(c).data());
         let pixels = l
@@ -81,7 +81,7 @@ impl LookedAt {
 
 /// Working pictures and flows of a clip.
 #[derive(Debug)]
-pub(super) struct Footage {
+pub(in crate::track) struct Footage {
     /// Working pixels for one clip pixel.
     pub(super) scale: f32,
     /// Columns and rows of the working pictures.
@@ -91,10 +91,16 @@ pub(super) struct Footage {
     /// From every frame but the last to the next, and back.
     flows: Vec<Option<(FlowField, FlowField)>>,
     /// What the camera did from every frame but the last to the next; nothing where nobody looked.
-    camera: Vec<Affine2>,
+    pub(in crate::track) camera: Vec<Affine2>,
 }
 
 impl Footage {
+    /// Of pictures that are all of one size, and the flows from every one but the last to the next, and back.
+    pub(in crate::track) fn new(size: (u32, u32), lab: Vec<LabImage>, flows: Vec<(FlowField, FlowField)>) -> Self {
+        let camera = flows.par_iter().map(|(forward, backward)| camera_motion(forward, backward)).collect();
+        Self { scale: 1.0, size, lab, flows: flows.into_iter().map(Some).collect(), camera }
+    }
+
     /// Reads the clip at a long side of `working_side` pixels, less where the clip is long.
     pub(super) fn read(clip: &Clip, working_side: u32, looked_at: &LookedAt, stage: Stage<'_>) -> Result<Self> {
         let info = clip.info();
@@ -161,7 +167,7 @@ impl Footage {
 
     /// The flow from frame `from` to its neighbour `to`, and the flow back; nothing when they are no neighbours, or are
     /// not looked at.
-    pub(super) fn flows(&self, from: usize, to: usize) -> Option<(&FlowField, &FlowField)> {
+    pub(in crate::track) fn flows(&self, from: usize, to: usize) -> Option<(&FlowField, &FlowField)> {
         let (forward, backward) = self.flows.get(from.min(to))?.as_ref()?;
         if to == from + 1 {
             Some((forward, backward))

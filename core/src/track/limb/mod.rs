@@ -8,7 +8,7 @@ mod claims;
 mod confidence;
 mod crossings;
 mod drawn;
-mod footage;
+pub(in crate::track) mod footage;
 mod foreground;
 mod gait;
 mod inertia;
@@ -43,8 +43,9 @@ use crate::error::Result;
 use crate::job::Stage;
 use crate::motion::{Motion, Track, TrackFrame, TrackKind};
 use crate::rig::{Rig, Skeleton};
+use footage::Footage;
 use kept::Kept;
-use space_time::Trajectory;
+pub(in crate::track) use space_time::Trajectory;
 
 /// Tracks limbs between key frames.
 #[derive(Clone, Debug, Default)]
@@ -65,6 +66,21 @@ impl Tracker for LimbTracker {
 }
 
 impl LimbTracker {
+    /// Where every limb of a rig in `footage` goes, which is of `clip` at its own size.
+    pub(in crate::track) fn trajectories(
+        &self,
+        footage: &Footage,
+        clip: &Clip,
+        rig: &Rig,
+        stage: Stage<'_>,
+    ) -> Result<Vec<Trajectory>> {
+        let info = clip.info();
+        rig.validate(Some(((info.width, info.height), info.frames)))?;
+        let spacing = self.params.spacing * LimbParams::scale(info.width as usize, info.height as usize);
+        let skeleton = Skeleton::new(rig, spacing);
+        space_time::solve_in(footage, clip, rig, &skeleton, None, &self.params.space_time, stage)
+    }
+
     fn follow(&self, clip: &Clip, rig: &Rig, earlier: Option<Earlier<'_>>, stage: Stage<'_>) -> Result<Motion> {
         let info = clip.info();
         rig.validate(Some(((info.width, info.height), info.frames)))?;

@@ -34,10 +34,10 @@ use crate::rig::{Rig, Side, Skeleton};
 
 /// One limb in all frames, in clip pixels, from the stroke's start to its end.
 #[derive(Clone, Debug)]
-pub(super) struct Trajectory {
-    pub(super) poses: Vec<Vec<Vec2>>,
+pub(in crate::track) struct Trajectory {
+    pub(in crate::track) poses: Vec<Vec<Vec2>>,
     pub(super) visible: Vec<Vec<bool>>,
-    pub(super) confidence: Vec<Vec<f32>>,
+    pub(in crate::track) confidence: Vec<Vec<f32>>,
 }
 
 /// One limb in all frames in working pixels, from the end it hangs by.
@@ -99,18 +99,31 @@ pub(super) fn solve(
         rig.keyframes.iter().filter(|k| !k.strokes.is_empty()).for_each(|k| looked_at.pictures[k.frame] = true);
     }
     let footage = Footage::read(clip, params.working_side, &looked_at, stage.part(0.0, 0.6))?;
+    solve_in(&footage, clip, rig, skeleton, kept, &params.space_time, stage.part(0.6, 1.0))
+}
+
+/// The same in `footage` of the clip that was read before.
+pub(super) fn solve_in(
+    footage: &Footage,
+    clip: &Clip,
+    rig: &Rig,
+    skeleton: &Skeleton,
+    kept: Option<&Kept>,
+    params: &SpaceTimeParams,
+    stage: Stage<'_>,
+) -> Result<Vec<Trajectory>> {
     let turns = solving_order(rig, skeleton);
-    let foreground = learn_foreground(rig, &footage);
-    let key_planes = key_planes(clip, rig, &footage)?;
-    let mut claims = Claims::new(&footage);
+    let foreground = learn_foreground(rig, footage);
+    let key_planes = key_planes(clip, rig, footage)?;
+    let mut claims = Claims::new(footage);
     let mut solved: Vec<Option<Solved>> = vec![None; rig.limbs.len()];
     let groups = groups(rig, &turns);
     for (i, group) in groups.iter().enumerate() {
-        let part = |i: usize| 0.6 + 0.4 * i as f64 / groups.len() as f64;
+        let part = |i: usize| i as f64 / groups.len() as f64;
         let mut tasks = Vec::with_capacity(2);
         for (place, &turn) in group.iter().enumerate() {
             let keys = LimbKeys::new(rig, skeleton, turn, footage.scale);
-            let roots = roots(rig, skeleton, turn, &turns, &keys, &solved, &footage);
+            let roots = roots(rig, skeleton, turn, &turns, &keys, &solved, footage);
             let carries = turns.iter().any(|t| t.from.is_some_and(|(p, _)| p == turn.limb));
             let kept = kept.map(|k| KeptLimb::new(k.limb(turn.limb), turn.reversed, footage.scale));
             let far = rig.limbs[turn.limb].side == Some(Side::Far);
@@ -150,8 +163,8 @@ pub(super) fn solve(
                 footage.on_the_ground(middle, keys.frames[0])
             });
             tasks.push(Task {
-                params: &params.space_time,
-                footage: &footage,
+                params,
+                footage,
                 foreground: &foreground,
                 keys,
                 strip,

@@ -6,7 +6,7 @@
 
 use glam::Vec2;
 
-use super::footage::Footage;
+use super::footage::{Footage, Motions};
 use super::looks::{LEVELS, Looks, Pixel, Rings};
 use super::params::PointParams;
 
@@ -25,16 +25,13 @@ pub(super) struct Candidate {
     pub(super) unlike: f32,
     pub(super) looks: Looks,
     /// Where it goes in the next and comes from in the previous frame, and how far that is to be trusted.
-    pub(super) motions: Option<[(Vec2, f32); 2]>,
+    pub(super) motions: Option<Motions>,
 }
 
 impl Candidate {
     /// Finds out where it goes and comes from, once.
     pub(super) fn with_motions(mut self, footage: &Footage, f: usize) -> Self {
-        self.motions.get_or_insert_with(|| {
-            let follow = |to: Option<usize>| to.map_or((self.at, 0.0), |to| footage.follow(self.at, f, to));
-            [follow((f + 1 < footage.frames()).then_some(f + 1)), follow(f.checked_sub(1))]
-        });
+        self.motions.get_or_insert_with(|| footage.motions(self.at, f));
         self
     }
 }

@@ -1,28 +1,37 @@
 //! The clip as the point tracker sees it: pictures in bytes at falling resolutions, the flow between neighbours, and what
-//! the camera did. Read once, it serves every solve.
+//! the camera did. Read once, it serves every solve, and the tracker of limbs.
+
+use std::collections::HashMap;
+use std::sync::{Mutex, PoisonError};
 
 use glam::{Affine2, Vec2};
-use image::RgbImage;
+use image::imageops::FilterType::Triangle;
+use image::{RgbImage, imageops};
 use rayon::prelude::*;
 
 use super::looks::{Levels, Rings};
 use crate::clip::Clip;
 use crate::error::Result;
 use crate::job::Stage;
-use crate::raster::{Grid, pyramid};
+use crate::raster::{Grid, Planes, pyramid};
 use crate::track::flow::{FlowField, Pyramid};
-use crate::track::limb::camera::camera_motion;
+use crate::track::limb;
+use crate::track::limb::footage::LabImage;
 
-/// Pixels of all frames together that are kept; longer clips are tracked on smaller pictures. A pixel takes 8 bytes.
+/// Pixels of all frames together that are kept; longer clips are tracked on smaller pictures. A pixel takes 8 to 16 bytes.
 const PIXEL_BUDGET: usize = 100_000_000;
 /// Working pictures never get smaller than this on their long side, whatever the budget says.
 const LEAST_SIDE: u32 = 320;
+/// Clips with a shorter long side are enlarged to it, as far as the budget allows, twice at most: for them the steps of
+/// flow and of places, a pixel or half of one, are too coarse. Larger ones are no better on bars that swing.
+const ENLARGED: u32 = 400;
+const MOST_ENLARGED: u32 = 2;
 
-/// Flow is found on pictures of half the size where the working pictures are larger than this: what it leaves open, the
-/// patches of [`Footage::follow`] find.
-const FLOW_SIDE: u32 = 512;
-/// Longest side of the pictures that whole limbs are tracked in: smaller ones lose thin legs, larger ones cost seconds.
-const SMALL_SIDE: u32 = 448;
+/// Longest side of the pictures that flow is found and whole limbs are tracked in: smaller ones lose thin legs and the
+/// outlines of drawings, larger ones cost seconds; what flow leaves open, the patches of [`Footage::follow`] find.
+const SMALL_SIDE: u32 = 512;
+/// Places of a frame that are remembered with where they go; beyond them it is found out again.
+const REMEMBERED: usize = 4096;
 /// Places along the side of the patch that is followed from frame to frame, and their distance.
 const PATCH: usize = 6;
 const PATCH_STEP: f32 = 1.8;
@@ -41,6 +50,9 @@ const BETTER: f32 = 0.5;
 /// How far around a place other motions are looked for.
 const AROUND: f32 = 7.0;
 
+/// Where a place goes in the next frame and comes from in the previous one, and how far each is to be trusted.
+pub(super) type Motions = [(Vec2, f32); 2];
+
 /// Working pictures, flows and camera of a clip.
 #[derive(Debug)]
 pub(super) struct Footage {
@@ -52,12 +64,14 @@ pub(super) struct Footage {
     pub(super) size: Vec2,
     /// Every frame.
     pub(super) pictures: Vec<Levels>,
-    /// From every frame but the last to the next, and back, in pixels of pictures `1 / flow_scale` the size.
-    flows: Vec<(FlowField, FlowField)>,
-    flow_scale: f32,
-    rings: Rings,
-    /// The clip again, smaller.
+    /// The clip again, smaller, and as the limb tracker sees it, with the flows.
     pub(super) small: Clip,
+    pub(super) limbs: limb::footage::Footage,
+    /// Pixels of the small pictures for a working pixel.
+    shrunk: Vec2,
+    rings: Rings,
+    /// Where places of every frame go, by their bits.
+    followed: Vec<Mutex<HashMap<[u32; 2], Motions>>>,
     /// Maps a place of every frame to where that place of the ground is in the first one.
     still: Vec<Affine2>,
 }
@@ -69,51 +83,63 @@ impl Footage {
         let area = f64::from(info.width) * f64::from(info.height);
         let affordable = (PIXEL_BUDGET as f64 / info.frames.max(1) as f64 / area).sqrt() * long;
         let side = working_side.min((affordable as u32).max(LEAST_SIDE));
-        let (width, height) = pyramid::fitted(info.width, info.height, side);
-        let flow_scale = if width.max(height) > FLOW_SIDE { 2.0 } else { 1.0 };
+        let enlarged = f64::from(ENLARGED.min(working_side)).min(affordable) / long;
+        let (width, height) = if enlarged > 1.0 {
+            let times = enlarged.min(f64::from(MOST_ENLARGED));
+            [info.width, info.height].map(|side| (times * f64::from(side)).round() as u32).into()
+        } else {
+            pyramid::fitted(info.width, info.height, side)
+        };
         let (reading, flowing) = (stage.part(0.0, 0.4), stage.part(0.4, 1.0));
         let (columns, rows) = pyramid::fitted(width, height, SMALL_SIDE);
-        let frames: Vec<((Levels, RgbImage), Pyramid)> = (0..info.frames)
+        let frames: Vec<((Levels, RgbImage), (LabImage, Pyramid))> = (0..info.frames)
             .into_par_iter()
             .map(|f| {
                 reading.at(f as f64 / info.frames as f64)?;
                 let picture = clip.frame(f)?;
-                let rgb = pyramid::shrunk(&picture.rgb, width, height);
-                let alpha = picture.alpha.as_ref().map(|a| shrunk_alpha(a, width, height));
-                let (levels, lab) = Levels::new(&rgb, alpha.as_ref());
+                let (rgb, alpha) = if enlarged > 1.0 {
+                    let alpha = picture.alpha.as_ref().map(|a| imageops::resize(a, width, height, Triangle));
+                    (imageops::resize(&picture.rgb, width, height, Triangle), alpha)
+                } else {
+                    let alpha = picture.alpha.as_ref().map(|a| shrunk_alpha(a, width, height));
+                    (pyramid::shrunk(&picture.rgb, width, height), alpha)
+                };
+                let small = pyramid::shrunk(&rgb, columns, rows);
+                let lab = Planes::lab(&small);
                 let lightness = lab.channel(0).data().iter().map(|l| l * 255.0).collect();
-                let mut lightness = Grid::from_vec(width as usize, height as usize, lightness);
-                if flow_scale > 1.0 {
-                    lightness = pyramid::halved(&lightness);
-                }
-                Ok(((levels, pyramid::shrunk(&rgb, columns, rows)), Pyramid::new(&lightness)))
+                let lightness = Grid::from_vec(columns as usize, rows as usize, lightness);
+                let seen = (LabImage::new(&lab), Pyramid::new(&lightness));
+                Ok(((Levels::new(&rgb, alpha.as_ref()), small), seen))
             })
             .collect::<Result<_>>()?;
-        let pairs = frames.len().saturating_sub(1);
+        let (pictures, seen): (Vec<_>, Vec<_>) = frames.into_iter().unzip();
+        let (pictures, small): (Vec<Levels>, Vec<RgbImage>) = pictures.into_iter().unzip();
+        let (lab, pyramids): (Vec<LabImage>, Vec<Pyramid>) = seen.into_iter().unzip();
+        let pairs = pyramids.len().saturating_sub(1);
         let flows: Vec<(FlowField, FlowField)> = (0..pairs)
             .into_par_iter()
             .map(|t| {
                 flowing.at(t as f64 / pairs as f64)?;
-                let (a, b) = (&frames[t].1, &frames[t + 1].1);
+                let (a, b) = (&pyramids[t], &pyramids[t + 1]);
                 Ok((FlowField::between(a, b), FlowField::between(b, a)))
             })
             .collect::<Result<_>>()?;
-        let camera: Vec<Affine2> = flows.par_iter().map(|(there, back)| camera_motion(there, back)).collect();
+        let limbs = limb::footage::Footage::new((columns, rows), lab, flows);
+        let size = Vec2::new(width as f32, height as f32);
+        let shrunk = Vec2::new(columns as f32, rows as f32) / size;
         let mut still = vec![Affine2::IDENTITY; info.frames];
         for f in 1..info.frames {
-            let back = camera[f - 1].inverse();
-            let back = Affine2::from_mat2_translation(back.matrix2, back.translation * flow_scale);
-            still[f] = still[f - 1] * back;
+            let back = limbs.camera[f - 1].inverse();
+            still[f] = still[f - 1] * Affine2::from_scale(1.0 / shrunk) * back * Affine2::from_scale(shrunk);
         }
-        let size = Vec2::new(width as f32, height as f32);
-        let (pictures, small): (Vec<Levels>, Vec<RgbImage>) = frames.into_iter().map(|f| f.0).unzip();
         Ok(Self {
             scale: width as f32 / info.width as f32,
             unit: (size.x * size.y).sqrt() / 512.0,
             size,
+            shrunk,
+            followed: pictures.iter().map(|_| Mutex::default()).collect(),
             pictures,
-            flows,
-            flow_scale,
+            limbs,
             rings: Rings::new((size.x * size.y).sqrt() / 512.0, 0.0),
             small: Clip::from_frames(small, info.fps)?,
             still,
@@ -125,12 +151,27 @@ impl Footage {
         self.pictures.len()
     }
 
+    /// Where `p` of frame `f` goes in the next frame and comes from in the previous one, and how far that is to be trusted.
+    pub(super) fn motions(&self, p: Vec2, f: usize) -> Motions {
+        let (known, key) = (&self.followed[f], p.to_array().map(f32::to_bits));
+        // What is remembered is whole, whoever failed meanwhile.
+        if let Some(motions) = known.lock().unwrap_or_else(PoisonError::into_inner).get(&key) {
+            return *motions;
+        }
+        let follow = |to: Option<usize>| to.map_or((p, 0.0), |to| self.follow(p, f, to));
+        let motions = [follow((f + 1 < self.frames()).then_some(f + 1)), follow(f.checked_sub(1))];
+        let mut known = known.lock().unwrap_or_else(PoisonError::into_inner);
+        if known.len() < REMEMBERED {
+            known.insert(key, motions);
+        }
+        motions
+    }
+
     /// Where `p` goes from frame `from` to its neighbour `to`, and how far that is to be trusted. At the border of a moving
     /// thing dense flow is a mix of what moves there; so of the motions around, that is taken which keeps the looks of the
     /// place best, and made exact.
     pub(super) fn follow(&self, p: Vec2, from: usize, to: usize) -> (Vec2, f32) {
-        let (there, back) = &self.flows[from.min(to)];
-        let (along, against) = if to > from { (there, back) } else { (back, there) };
+        let Some((along, against)) = self.limbs.flows(from, to) else { return (p, 0.0) };
         let (before, after) = (&self.pictures[from], &self.pictures[to]);
         let mut patch = [[0.0f32; 4]; PATCH * PATCH];
         let place = |i: usize| {
@@ -140,24 +181,30 @@ impl Footage {
         for (i, pixel) in patch.iter_mut().enumerate() {
             *pixel = before.between(p + place(i));
         }
-        let miss = |motion: Vec2| -> f32 {
+        // Infinite where it is no less than `most`: few motions need to be looked at in full.
+        let miss = |motion: Vec2, most: f32| -> f32 {
             let mut sum = 0.0;
-            for (i, pixel) in patch.iter().enumerate() {
-                let there = after.between(p + motion + place(i));
-                for c in 0..4 {
-                    sum += (pixel[c] - there[c]).abs().min(40.0);
+            for (row, pixels) in patch.chunks_exact(PATCH).enumerate() {
+                for (i, pixel) in pixels.iter().enumerate() {
+                    let there = after.between(p + motion + place(row * PATCH + i));
+                    for c in 0..4 {
+                        sum += (pixel[c] - there[c]).abs().min(40.0);
+                    }
+                }
+                if sum / (PATCH * PATCH) as f32 >= most {
+                    return f32::INFINITY;
                 }
             }
             sum / (PATCH * PATCH) as f32
         };
-        let flow = |field: &FlowField, p: Vec2| field.at(p / self.flow_scale) * self.flow_scale;
+        let flow = |field: &FlowField, p: Vec2| field.at(p * self.shrunk) / self.shrunk;
         let own = flow(along, p);
-        let mut best = (own, miss(own));
+        let mut best = (own, miss(own, f32::INFINITY));
         for i in 0..8 {
             let around = p + Vec2::from_angle(std::f32::consts::FRAC_PI_4 * i as f32) * (AROUND * self.unit);
             let motion = flow(along, around);
             if motion.distance_squared(own) > 0.25 {
-                let cost = miss(motion) + 0.3;
+                let cost = miss(motion, best.1) + 0.3;
                 if cost < best.1 {
                     best = (motion, cost);
                 }
@@ -170,7 +217,8 @@ impl Footage {
                     let centre = best.0;
                     for (x, y) in [(-1.0, 0.0), (1.0, 0.0), (0.0, -1.0), (0.0, 1.0)] {
                         let motion = centre + step * Vec2::new(x, y);
-                        let cost = miss(motion) + PULL * motion.distance_squared(start);
+                        let pull = PULL * motion.distance_squared(start);
+                        let cost = miss(motion, best.1 - pull) + pull;
                         if cost < best.1 {
                             best = (motion, cost);
                         }
@@ -199,7 +247,7 @@ impl Footage {
                 }
             }
             for (_, motion) in found {
-                let there = exact((motion, miss(motion) + FAR * motion.distance(own)));
+                let there = exact((motion, miss(motion, f32::INFINITY) + FAR * motion.distance(own)));
                 if there.1 < BETTER * best.1 {
                     (best, searched) = (there, true);
                 }

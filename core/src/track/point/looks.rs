@@ -53,7 +53,7 @@ pub(super) struct Levels {
 
 impl Levels {
     /// Of a working picture and its opacity, if it has any.
-    pub(super) fn new(rgb: &RgbImage, alpha: Option<&image::GrayImage>) -> (Self, Planes) {
+    pub(super) fn new(rgb: &RgbImage, alpha: Option<&image::GrayImage>) -> Self {
         let lab = Planes::lab(rgb);
         let mut channels: Vec<_> = (0..3).map(|c| lab.channel(c).clone()).collect();
         if let Some(alpha) = alpha {
@@ -76,7 +76,7 @@ impl Levels {
             }
             levels.push((width, height, pixels));
         }
-        (Self { levels }, lab)
+        Self { levels }
     }
 
     /// A level's columns, rows and pixels.

@@ -20,8 +20,8 @@ mod looks;
 mod params;
 mod path;
 mod report;
+mod skeleton;
 mod stretch;
-mod tree;
 
 pub use params::PointParams;
 pub use report::{PointConfidence, PointCorrection, PointReport};
@@ -36,7 +36,7 @@ use crate::rig::{PointMark, PointMarks};
 use footage::Footage;
 use guide::{Guide, guides};
 use look_alikes::{LookAlikes, alike};
-use stretch::{Key, Place, Solved, Stretch};
+use stretch::{Alone, Key, Place, Solved, Stretch};
 
 #[cfg(test)]
 mod tests;
@@ -106,6 +106,7 @@ pub struct PointFootage {
     params: PointParams,
     size: (u32, u32),
     fps: f64,
+    alone: Vec<Alone>,
     solved: Vec<Solved>,
     look_alikes: LookAlikes,
     /// The points' first keys, and the guides that follow from them.
@@ -127,6 +128,7 @@ impl PointFootage {
             params: params.clone(),
             size: (info.width, info.height),
             fps: info.fps,
+            alone: Vec::new(),
             solved: Vec::new(),
             look_alikes: LookAlikes::default(),
             firsts: Vec::new(),
@@ -142,7 +144,7 @@ impl PointFootage {
     }
 
     fn forget(&mut self) {
-        (self.solved, self.look_alikes) = (Vec::new(), LookAlikes::default());
+        (self.alone, self.solved, self.look_alikes) = (Vec::new(), Vec::new(), LookAlikes::default());
     }
 
     /// Finds where all points together would have each, unless their first keys are the same as before.
@@ -153,20 +155,35 @@ impl PointFootage {
         }
         self.forget();
         (self.firsts, self.guides) = (Vec::new(), Vec::new());
-        let (alone, together) = (stage.part(0.0, 0.3), stage.part(0.3, 1.0));
-        let ways: Vec<Vec<Place>> = firsts
-            .par_iter()
-            .map(|key| {
-                let mut way = Vec::with_capacity(self.footage.frames());
-                for stretch in stretches(&[*key], self.footage.frames()) {
-                    let solved = stretch.solve(&self.footage, &self.params, &[], alone)?;
-                    way.extend_from_slice(&solved.best.places[usize::from(!way.is_empty())..]);
+        let frames = self.footage.frames();
+        let all: Vec<Vec<Stretch>> = firsts.iter().map(|key| stretches(&[*key], frames)).collect();
+        self.solve_alone(&all.concat(), stage.part(0.0, 0.3))?;
+        let ways: Vec<Vec<Place>> = all
+            .iter()
+            .map(|parts| {
+                let mut way = Vec::with_capacity(frames);
+                for alone in parts.iter().filter_map(|s| self.alone.iter().find(|a| a.stretch == *s)) {
+                    way.extend_from_slice(&alone.way(&self.footage).places[usize::from(!way.is_empty())..]);
                 }
-                Ok(way)
+                way
             })
-            .collect::<Result<_>>()?;
-        self.guides = guides(&self.footage, &firsts, &ways, together)?;
+            .collect();
+        self.guides = guides(&self.footage, &firsts, &ways, stage.part(0.3, 1.0))?;
         self.firsts = firsts;
+        Ok(())
+    }
+
+    /// Solves each of some stretches alone that were not solved before.
+    fn solve_alone(&mut self, stretches: &[Stretch], stage: Stage<'_>) -> Result<()> {
+        let mut fresh: Vec<Stretch> = Vec::new();
+        for s in stretches {
+            if !fresh.contains(s) && !self.alone.iter().any(|a| a.stretch == *s) {
+                fresh.push(*s);
+            }
+        }
+        let found: Vec<Alone> =
+            fresh.par_iter().map(|s| s.alone(&self.footage, &self.params, stage)).collect::<Result<_>>()?;
+        self.alone.extend(found);
         Ok(())
     }
 
@@ -194,14 +211,19 @@ impl PointFootage {
             .flat_map(|(first, list)| list.iter().map(move |s| (first, *s)))
             .filter(|(_, s)| !self.solved.iter().any(|known| known.stretch == *s))
             .collect();
-        let solving = stage.part(0.0, 0.8);
-        let fresh: Vec<Solved> = fresh
+        let all: Vec<Stretch> = fresh.iter().map(|f| f.1).collect();
+        self.solve_alone(&all, stage.part(0.0, 0.4))?;
+        let solving = stage.part(0.4, 0.8);
+        let fresh: Vec<Option<Solved>> = fresh
             .par_iter()
             .map(|(first, s)| {
                 let guide = self.guides.iter().find(|g| g.0 == *first).map_or(&[][..], |g| &g.1);
-                s.solve(&self.footage, &self.params, guide, solving)
+                let alone = self.alone.iter().find(|a| a.stretch == *s);
+                alone.map(|a| a.guided(&self.footage, &self.params, guide, solving)).transpose()
             })
             .collect::<Result<_>>()?;
+        let fresh: Vec<Solved> = fresh.into_iter().flatten().collect();
+        self.alone.retain(|known| flat.contains(&known.stretch));
         self.solved.retain(|known| flat.contains(&known.stretch));
         self.solved.extend(fresh);
         let of = |s: &Stretch| self.solved.iter().find(|known| known.stretch == *s);

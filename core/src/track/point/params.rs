@@ -4,7 +4,7 @@
 /// at worst.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PointParams {
-    /// Longest side of the working pictures; larger clips are reduced to it.
+    /// Longest side of the working pictures; larger clips are reduced to it, those below 400 enlarged, twice at most.
     pub working_side: u32,
     /// Places looked at in a frame, chosen by their colours.
     pub looked_at: usize,
@@ -52,6 +52,12 @@ pub struct PointParams {
     pub guide: f32,
     /// Distance from there that counts half.
     pub guide_reach: f32,
+    /// A guide errs where following it costs so much more, all frames together, than a smooth way without it.
+    pub dear: f32,
+    /// A way is smooth that costs less a frame,
+    pub smooth: f32,
+    /// and in no frame so much.
+    pub leap: f32,
     /// How often candidates near the path are added and the path is found again.
     pub rounds: usize,
 }
@@ -81,8 +87,11 @@ impl Default for PointParams {
             alike: 0.3,
             together: 5.0,
             shared: 0.5,
-            guide: 0.5,
-            guide_reach: 20.0,
+            guide: 2.0,
+            guide_reach: 35.0,
+            dear: 8.0,
+            smooth: 0.15,
+            leap: 1.0,
             rounds: 2,
         }
     }

@@ -31,6 +31,8 @@ struct Node {
     ground: Vec2,
     angle: f32,
     own: f32,
+    /// What leaving the guide costs.
+    astray: f32,
     /// Where the flow takes it in the next and in the previous frame, and how far that is to be trusted.
     next: (Vec2, f32),
     last: (Vec2, f32),
@@ -70,6 +72,12 @@ fn bounded(square: f32, reach: f32) -> f32 {
     square / (square + reach * reach)
 }
 
+/// Half where the square of `reach` is `square`; flat near 0, because a guide is no exact place.
+#[inline]
+fn off_guide(square: f32, reach: f32) -> f32 {
+    bounded(square * square, reach * reach)
+}
+
 impl<'a> Graph<'a> {
     /// Over the frames from `start` on.
     pub(super) fn new(
@@ -92,10 +100,10 @@ impl<'a> Graph<'a> {
                         at: c.at,
                         ground: footage.grounded(c.at, f),
                         angle: c.angle,
-                        own: params.looks * bounded(c.unlike * c.unlike, params.looks_reach)
-                            + guide
-                                .get(i)
-                                .map_or(0.0, |g| params.guide * g.trust * bounded(g.at.distance_squared(c.at), reach)),
+                        own: params.looks * bounded(c.unlike * c.unlike, params.looks_reach),
+                        astray: guide
+                            .get(i)
+                            .map_or(0.0, |g| params.guide * g.trust * off_guide(g.at.distance_squared(c.at), reach)),
                         next,
                         last,
                     }
@@ -163,11 +171,37 @@ impl<'a> Graph<'a> {
         (!self.held[end] && skipped <= self.params.skip).then(|| self.skipped(skipped))
     }
 
+    /// What a path costs in every frame, its guide aside.
+    pub(super) fn spent(&self, path: &Path) -> Vec<f32> {
+        let reach = self.params.inertia_reach * self.unit;
+        let mut out = vec![0.0; self.frames()];
+        let mut last: Option<(usize, usize, Option<Vec2>)> = None;
+        for (t, i) in path.nodes.iter().enumerate().filter_map(|(t, n)| Some((t, (*n)?))) {
+            out[t] = self.nodes[t][i].own;
+            let mut motion = None;
+            match last {
+                None => out[t] += self.beyond(t, 0).unwrap_or(0.0),
+                Some((s, j, before)) => {
+                    let gap = t - s;
+                    let v = (self.nodes[t][i].ground - self.nodes[s][j].ground) / gap as f32;
+                    let change = before.map_or(0.0, |u: Vec2| bounded(u.distance_squared(v), reach));
+                    out[t] += self.step_cost(t, gap, j, i) + self.params.inertia * change;
+                    motion = Some(v);
+                }
+            }
+            last = Some((t, i, motion));
+        }
+        if let Some((t, _, _)) = last {
+            out[t] += self.beyond(t, 1).unwrap_or(0.0);
+        }
+        out
+    }
+
     /// The cheapest path. `dear` says what going through a candidate costs beside its looks.
     pub(super) fn best(&self, dear: &(impl Fn(usize, usize) -> f32 + Sync), stage: Stage<'_>) -> Result<Path> {
         let n = self.frames();
         let all = &self.steps;
-        let own = |t: usize, i: usize| self.nodes[t][i].own + dear(t, i);
+        let own = |t: usize, i: usize| self.nodes[t][i].own + self.nodes[t][i].astray + dear(t, i);
         let mut reach: Vec<Vec<f32>> = self.nodes.iter().map(|l| vec![f32::INFINITY; l.len()]).collect();
         for t in 0..n {
             stage.at(0.0)?;

@@ -15,6 +15,8 @@ use crate::job::Stage;
 
 /// A place that looks so unlike its mark says nothing for itself.
 const UNLIKE: f32 = 0.5;
+/// A guide's error falls to 1 / e in so many frames: those found on rendered and drawn animals do so in 4 to 12.
+const RECALL: f32 = 6.0;
 /// Share of the confidence that a step loses that is not to be trusted at all.
 const DOUBT: f32 = 0.15;
 
@@ -53,6 +55,17 @@ impl Trajectory {
     pub(super) fn seen(&self) -> impl Iterator<Item = Option<Vec2>> {
         self.places.iter().map(|p| p.seen.then_some(p.at))
     }
+}
+
+/// A stretch with the places where its point may be and the cheapest path through them that no guide leads.
+#[derive(Clone, Debug)]
+pub(super) struct Alone {
+    pub(super) stretch: Stretch,
+    sought: Vec<Sought>,
+    candidates: Vec<Vec<Candidate>>,
+    path: Path,
+    /// What the path costs in every frame.
+    spent: Vec<f32>,
 }
 
 /// A stretch that was solved, and what it takes to solve it otherwise.
@@ -94,25 +107,86 @@ impl Solved {
     }
 }
 
-impl Stretch {
-    /// Solves it; `guide` says for every frame of the clip, or for none, where other points would have it.
-    pub(super) fn solve(
+impl Alone {
+    /// The way of the point by itself.
+    pub(super) fn way(&self, footage: &Footage) -> Trajectory {
+        self.stretch.trajectory(footage, &self.candidates, &self.path)
+    }
+
+    /// The way of the point with `guide`, which says for every frame of the clip, or for none, where other points would
+    /// have it.
+    pub(super) fn guided(
         &self,
         footage: &Footage,
         params: &PointParams,
         guide: &[Guide],
         stage: Stage<'_>,
     ) -> Result<Solved> {
-        let mut guide = guide.get(self.from..=self.to).unwrap_or_default().to_vec();
-        // A key where the guide is not says that it is wrong around there.
-        let reach = params.guide_reach * footage.unit;
-        for key in self.keys.iter().flatten() {
-            let miss = guide.get(key.frame - self.from).map_or(0.0, |g| g.at.distance(key.at));
-            guide.iter_mut().for_each(|g| g.trust *= reach * reach / (reach * reach + 4.0 * miss * miss));
+        let stretch = self.stretch;
+        let mut guide = guide.get(stretch.from..=stretch.to).unwrap_or_default().to_vec();
+        stretch.bend(&mut guide, params.guide_reach * footage.unit);
+        let (mut candidates, mut path) = (self.candidates.clone(), self.path.clone());
+        if guide.iter().any(|g| g.trust > 0.0) {
+            let rings = Rings::new(footage.unit, 0.0);
+            candidates.par_iter_mut().zip(&guide).enumerate().for_each(|(i, (list, g))| {
+                let f = stretch.from + i;
+                if g.trust > 0.0 && stretch.key_on(f).is_none() {
+                    let there = judged(footage, &rings, &self.sought, f, g.at);
+                    let settled = settled(footage, &rings, &self.sought, f, there, 6.0 * footage.unit);
+                    merge(list, [there, settled].map(|c| c.with_motions(footage, f)));
+                }
+            });
+            let spent;
+            (path, spent) = stretch.path(footage, params, &self.sought, &mut candidates, &guide, stage)?;
+            let led = stretch.places(footage, &candidates, &path);
+            let erring = self.erring(footage, params, &led, &spent);
+            if erring.contains(&true) {
+                guide.iter_mut().zip(erring).filter(|(_, erring)| *erring).for_each(|(g, _)| g.trust = 0.0);
+                path = stretch.path(footage, params, &self.sought, &mut candidates, &guide, stage)?.0;
+            }
         }
+        let best = stretch.trajectory(footage, &candidates, &path);
+        Ok(Solved { stretch, best, candidates, path, guide })
+    }
+}
+
+impl Alone {
+    /// For every frame whether the guide errs there: where the point has a smooth way without it, from which `led`, the
+    /// cheapest way with it, departs at a high price.
+    fn erring(&self, footage: &Footage, params: &PointParams, led: &[Place], spent: &[f32]) -> Vec<bool> {
+        let own = self.stretch.places(footage, &self.candidates, &self.path);
+        let apart = params.together * footage.unit;
+        let parted: Vec<bool> = own.iter().zip(led).map(|(a, b)| a.at.distance(b.at) > apart).collect();
+        let mut erring = vec![false; parted.len()];
+        let mut from = 0;
+        for run in parted.chunk_by(|a, b| a == b) {
+            let to = from + run.len();
+            // What a way costs where it comes back counts, too.
+            let end = (to + 2).min(parted.len());
+            let (own, led) = (&self.spent[from..end], &spent[from..end]);
+            let (cost, dearest) = (own.iter().sum::<f32>(), own.iter().copied().fold(0.0, f32::max));
+            let smooth = dearest < params.leap && cost < params.smooth * own.len() as f32;
+            if run[0] && smooth && led.iter().sum::<f32>() - cost > params.dear {
+                erring[from..to].fill(true);
+            }
+            from = to;
+        }
+        erring
+    }
+}
+
+/// Adds candidates to those of a frame; of places that are one, the one that looks best is kept.
+fn merge(list: &mut Vec<Candidate>, more: impl IntoIterator<Item = Candidate>) {
+    list.extend(more);
+    list.sort_by(|a, b| a.unlike.total_cmp(&b.unlike));
+    list.dedup_by(|a, b| a.at.distance(b.at) < 0.5);
+}
+
+impl Stretch {
+    /// Solves it from its keys alone.
+    pub(super) fn alone(&self, footage: &Footage, params: &PointParams, stage: Stage<'_>) -> Result<Alone> {
         let rings = Rings::new(footage.unit, 0.0);
         let sought: Vec<Sought> = self.keys.iter().flatten().map(|k| Sought::new(footage, k.frame, k.at)).collect();
-        let held = |f: usize| sought.iter().find(|s| s.frame == f);
         let chains: Vec<Vec<Vec<Candidate>>> =
             sought.iter().map(|s| self.chains(footage, &rings, &sought, s, stage)).collect::<Result<_>>()?;
         let chains = chains.concat();
@@ -120,32 +194,46 @@ impl Stretch {
             .into_par_iter()
             .map(|f| {
                 stage.at((f - self.from) as f64 / (self.to - self.from + 1) as f64)?;
-                if let Some(s) = held(f) {
+                if let Some(s) = sought.iter().find(|s| s.frame == f) {
                     return Ok(vec![s.marked().with_motions(footage, f)]);
                 }
                 let mut found = over_the_frame(footage, &rings, &sought, f, params);
-                found.extend(chains.iter().map(|c| c[f - self.from]));
-                if let Some(g) = guide.get(f - self.from).filter(|g| g.trust > 0.0) {
-                    let there = judged(footage, &rings, &sought, f, g.at);
-                    found.extend([there, settled(footage, &rings, &sought, f, there, 6.0 * footage.unit)]);
-                }
-                found.sort_by(|a, b| a.unlike.total_cmp(&b.unlike));
-                found.dedup_by(|a, b| a.at.distance(b.at) < 0.5);
+                merge(&mut found, chains.iter().map(|c| c[f - self.from]));
                 Ok(found.into_iter().map(|c| c.with_motions(footage, f)).collect())
             })
             .collect::<Result<_>>()?;
-        let mut path = Graph::new(footage, self.from, &candidates, self.held(), &guide, params)
-            .best(&|_, _| 0.0, stage.part(1.0, 1.0))?;
+        let (path, spent) = self.path(footage, params, &sought, &mut candidates, &[], stage)?;
+        Ok(Alone { stretch: *self, sought, candidates, path, spent })
+    }
+
+    /// The cheapest path and what it costs in every frame; candidates near it are added before it is looked for again.
+    fn path(
+        &self,
+        footage: &Footage,
+        params: &PointParams,
+        sought: &[Sought],
+        candidates: &mut Vec<Vec<Candidate>>,
+        guide: &[Guide],
+        stage: Stage<'_>,
+    ) -> Result<(Path, Vec<f32>)> {
+        let rings = Rings::new(footage.unit, 0.0);
+        let cheapest = |candidates: &[Vec<Candidate>]| {
+            let graph = Graph::new(footage, self.from, candidates, self.held(), guide, params);
+            let path = graph.best(&|_, _| 0.0, stage.part(1.0, 1.0))?;
+            let spent = graph.spent(&path);
+            Ok((path, spent))
+        };
+        let (mut path, mut spent) = cheapest(candidates)?;
         for _ in 1..params.rounds {
-            let places = self.places(footage, &candidates, &path);
+            let places = self.places(footage, candidates, &path);
             let more: Vec<Vec<Candidate>> = (self.from..=self.to)
                 .into_par_iter()
                 .map(|f| {
                     let mut list = candidates[f - self.from].clone();
-                    if held(f).is_none() {
-                        for p in self.near_the_path(footage, &candidates, &path, &places, f) {
+                    if self.key_on(f).is_none() {
+                        for p in self.near_the_path(footage, candidates, &path, &places, f) {
                             if list.iter().all(|k| k.at.distance(p) > 0.7) {
-                                list.push(judged(footage, &rings, &sought, f, p).with_motions(footage, f));
+                                list.push(judged(footage, &rings, sought, f, p).with_motions(footage, f));
                             }
                         }
                         list.sort_by(|a, b| a.unlike.total_cmp(&b.unlike));
@@ -153,12 +241,40 @@ impl Stretch {
                     list
                 })
                 .collect();
-            candidates = more;
-            path = Graph::new(footage, self.from, &candidates, self.held(), &guide, params)
-                .best(&|_, _| 0.0, stage.part(1.0, 1.0))?;
+            *candidates = more;
+            (path, spent) = cheapest(candidates)?;
         }
-        let best = self.trajectory(footage, &candidates, &path);
-        Ok(Solved { stretch: *self, best, candidates, path, guide })
+        Ok((path, spent))
+    }
+
+    /// Moves a guide so that it goes through the keys: how far it errs changes from frame to frame as a bridge between
+    /// them that forgets (the mean of an Ornstein-Uhlenbeck process, given its ends). The less is known of its error, the
+    /// less it is trusted; `reach` halves that.
+    fn bend(&self, guide: &mut [Guide], reach: f32) {
+        let last = guide.len().saturating_sub(1);
+        let ends = [0, last].map(|i| guide.get(i).map_or(Vec2::ZERO, |g| g.at));
+        let misses = [0, 1].map(|end| self.keys[end].map(|k| k.at - ends[end]));
+        let kept = |frames: usize| (-(frames as f32) / RECALL).exp();
+        for (i, g) in guide.iter_mut().enumerate() {
+            let mut unknown = 0.0;
+            for (end, miss) in misses.into_iter().enumerate() {
+                let Some(miss) = miss else { continue };
+                let (near, far) = if end == 0 { (i, last - i) } else { (last - i, i) };
+                let share = match misses[1 - end] {
+                    None => kept(near),
+                    Some(_) if last == 0 => 0.5,
+                    Some(_) => kept(near) * (1.0 - kept(2 * far)) / (1.0 - kept(2 * last)),
+                };
+                g.at += share * miss;
+                unknown += miss.length_squared() * (1.0 - share * share);
+            }
+            g.trust *= reach * reach / (reach * reach + unknown);
+        }
+    }
+
+    /// The key on frame `f`.
+    fn key_on(&self, f: usize) -> Option<Key> {
+        self.keys.into_iter().flatten().find(|k| k.frame == f)
     }
 
     fn held(&self) -> [bool; 2] {
@@ -281,5 +397,36 @@ impl Stretch {
             back[j] = back[j + 1] * trust(j);
         }
         forth.iter().zip(&back).map(|(a, b)| a.max(*b)).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::vec2;
+
+    #[test]
+    fn a_guide_is_bent_through_the_keys_and_trusted_less_between_them() {
+        let flat = |n: usize| vec![Guide { at: vec2(50.0, 20.0), trust: 0.8 }; n];
+        let key = |frame: usize, x: f32| Some(Key { frame, at: vec2(x, 20.0) });
+        let between = Stretch { from: 10, to: 30, keys: [key(10, 50.0), key(30, 90.0)] };
+        let mut guide = flat(21);
+        between.bend(&mut guide, 30.0);
+        assert!(guide[0].at.x == 50.0 && (guide[20].at.x - 90.0).abs() < 1e-3);
+        assert!(guide.windows(2).all(|g| g[0].at.x <= g[1].at.x && g[0].at.y == 20.0));
+        // What is far from the key is left as it was, and known badly.
+        assert!(guide[5].at.x < 55.0 && guide[5].trust < 0.4 && guide[20].trust > 0.79);
+        let open = Stretch { from: 30, to: 130, keys: [key(30, 90.0), None] };
+        let mut guide = flat(101);
+        open.bend(&mut guide, 30.0);
+        assert!(guide[0].at.x == 90.0 && guide[100].at.distance(vec2(50.0, 20.0)) < 1e-3);
+        // One that is right is left alone; so is a single frame, and none.
+        let mut guide = flat(21);
+        Stretch { from: 10, to: 30, keys: [key(10, 50.0), key(30, 50.0)] }.bend(&mut guide, 30.0);
+        assert_eq!(guide, flat(21));
+        let mut guide = flat(1);
+        Stretch { from: 10, to: 10, keys: [key(10, 50.0), key(10, 50.0)] }.bend(&mut guide, 30.0);
+        assert_eq!(guide, flat(1));
+        between.bend(&mut [], 30.0);
     }
 }

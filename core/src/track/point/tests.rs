@@ -155,6 +155,7 @@ fn points_on_a_swinging_arm_guide_each_other_along_it() {
         });
         for (f, g) in guide.iter().enumerate() {
             let miss = (g.at / footage.footage.scale).distance(arm(f, r.expect("a place")));
+            // The arm goes on for 7 pixels beyond the outermost point, which may slide nearly as far.
             assert!(miss < 6.0, "frame {f}: {miss}");
         }
     }
@@ -166,23 +167,58 @@ fn points_on_a_swinging_arm_guide_each_other_along_it() {
 }
 
 #[test]
-fn legs_are_joined_over_the_body_and_not_over_the_ground() {
-    // Two legs, nearer to each other than they are long, under a body.
-    let [hips, feet] = [[vec2(60.0, 40.0), vec2(100.0, 40.0)], [vec2(64.0, 110.0), vec2(96.0, 110.0)]];
-    let bars = [[hips[0], hips[1]], [hips[0], feet[0]], [hips[1], feet[1]]];
-    let drawn = RgbImage::from_fn(SIZE, SIZE, |x, y| {
-        let p = vec2(x as f32, y as f32);
-        let on = |[a, b]: &[Vec2; 2]| {
+fn a_guide_that_errs_does_not_tear_a_point_from_a_smooth_way() {
+    let slowly = |f: usize| vec2(80.0, 80.0) + 40.0 * Vec2::from_angle(0.06 * f as f32);
+    let clip = clip(80, |f| vec![(slowly(f), 18.0, 1.0)]);
+    let params = PointParams::default();
+    let footage = PointFootage::read(&clip, &params, Progress::new().whole()).expect("read").footage;
+    let stretch = super::stretches(&[super::Key { frame: 0, at: slowly(0) * footage.scale }], 80)[0];
+    let alone = stretch.alone(&footage, &params, Progress::new().whole()).expect("solved");
+    // From the key away over the ground, which looks otherwise.
+    let astray = |f: usize| slowly(0).lerp(vec2(20.0, 20.0), (0.1 * f as f32).min(1.0));
+    let guide: Vec<_> = (0..80).map(|f| super::Guide { at: astray(f) * footage.scale, trust: 1.0 }).collect();
+    let farthest = |params: &PointParams| {
+        let solved = alone.guided(&footage, params, &guide, Progress::new().whole()).expect("solved");
+        let misses = solved.best.places.iter().enumerate().map(|(f, p)| (p.at / footage.scale).distance(slowly(f)));
+        misses.fold(0.0, f32::max)
+    };
+    let miss = farthest(&params);
+    assert!(miss < 1.5, "{miss}");
+    let miss = farthest(&PointParams { dear: f32::INFINITY, ..params.clone() });
+    assert!(miss > 20.0, "{miss}");
+}
+
+#[test]
+fn limbs_run_within_the_body_and_its_legs_are_a_pair() {
+    // Two legs, nearer to each other than they are long, and a head, of which only the ends are marked.
+    let [hips, feet] = [[vec2(60.0, 50.0), vec2(100.0, 50.0)], [vec2(64.0, 130.0), vec2(96.0, 130.0)]];
+    let (middle, head) = (vec2(80.0, 50.0), vec2(80.0, 20.0));
+    let bars = [[hips[0], hips[1]], [hips[0], feet[0]], [hips[1], feet[1]], [middle, head]];
+    let off = |p: Vec2| {
+        let to = |[a, b]: &[Vec2; 2]| {
             let t = ((p - *a).dot(*b - *a) / a.distance_squared(*b)).clamp(0.0, 1.0);
-            a.lerp(*b, t).distance(p) < 6.0
+            a.lerp(*b, t).distance(p)
         };
-        if bars.iter().any(on) { Rgb([150, 80, 40]) } else { Rgb([120, 150, 120]) }
+        bars.iter().map(to).fold(f32::INFINITY, f32::min)
+    };
+    let drawn = RgbImage::from_fn(SIZE, SIZE, |x, y| {
+        if off(vec2(x as f32, y as f32)) < 6.0 { Rgb([150, 80, 40]) } else { Rgb([120, 150, 120]) }
     });
     let clip = Clip::from_frames(vec![drawn; 3], 24.0).expect("frames");
     let footage = PointFootage::read(&clip, &PointParams::default(), Progress::new().whole()).expect("read");
-    let at = [hips[0], feet[0], hips[1], feet[1]].map(|p| p * footage.footage.scale);
-    let ways = at.map(|at| vec![super::Place { at, seen: true, confidence: 1.0 }; 3]);
-    assert_eq!(super::tree::branches(&footage.footage, 0, &at, &ways), [[1, 0, 2, 3]]);
+    let scale = footage.footage.scale;
+    let at = [feet[0], head, middle, feet[1]].map(|p| p * scale);
+    let limbs = super::skeleton::branches(&footage.footage, 0, &at);
+    for (i, place) in at.iter().enumerate() {
+        assert!(limbs.iter().any(|l| l.points.iter().any(|&(p, v)| p == i && l.line[v] == *place)), "point {i}");
+    }
+    for p in limbs.iter().flat_map(|l| &l.line) {
+        assert!(off(*p / scale) < 6.0, "{p} is not in the body");
+    }
+    let on = |l: usize, p: usize| limbs[l].points.iter().any(|q| q.0 == p);
+    let pairs = super::skeleton::pairs(&limbs);
+    assert_eq!(pairs.len(), 1);
+    assert!(pairs[0].iter().any(|&l| on(l, 0)) && pairs[0].iter().any(|&l| on(l, 3)));
 }
 
 #[test]
@@ -243,4 +279,42 @@ fn marks_of_another_clip_are_refused_and_a_cancel_stops() {
     let done = Progress::new();
     run(&good, &done).expect("tracked");
     assert!(done.fraction() > 0.99);
+}
+
+#[test]
+fn the_tip_of_a_nodding_bar_is_kept() {
+    // Small pictures of a bar with a grain as fine as its steps, and of one that is only shaded.
+    let grained = |along: f32, across: f32| {
+        let (u, v) = (along as i32, across as i32);
+        let grain = ((u / 7 + v / 5).rem_euclid(2) * 60 + (u * 3 + v * 5).rem_euclid(40)) as u8;
+        Rgb([30 + grain, 40, 90])
+    };
+    let shaded = |along: f32, across: f32| {
+        let light = (10.0 * (0.08 * along).sin() + 2.0 * across.abs()) as i32;
+        Rgb([90, 60, 50].map(|c| (c + light) as u8))
+    };
+    let nodding: [(&dyn Fn(f32, f32) -> Rgb<u8>, fn(f32) -> f32); 2] =
+        [(&grained, |f| 0.06 * f), (&shaded, |f| 0.1 + 0.35 * (0.15 * f).sin())];
+    for (paint, turn) in nodding {
+        let root = vec2(60.0, 60.0);
+        let away = |f: usize| Vec2::from_angle(turn(f as f32));
+        let bar = |f: usize| {
+            RgbImage::from_fn(200, 140, |x, y| {
+                let p = vec2(x as f32, y as f32) - root;
+                let along = p.dot(away(f)).clamp(0.0, 90.0);
+                let inside = p.distance(along * away(f)) < 14.0;
+                if inside { paint(along, -p.perp_dot(away(f))) } else { Rgb([225, 225, 220]) }
+            })
+        };
+        let clip = Clip::from_frames((0..8).map(bar).collect(), 24.0).expect("frames");
+        let mut marks = PointMarks { size: (200, 140), points: Vec::new() };
+        for (name, along) in [("root", 0.0), ("middle", 45.0), ("tip", 86.0)] {
+            marks.put(name, PointKey { frame: 0, at: root + along * away(0) });
+        }
+        let motion = track(&clip, &marks);
+        for f in 0..8 {
+            let miss = place(&motion, "tip", f).distance(root + 86.0 * away(f));
+            assert!(miss < 4.0, "frame {f}: {miss}");
+        }
+    }
 }
