@@ -86,6 +86,16 @@ impl Studio {
         self.first = Some(Source::of_path(&std::path::absolute(path).unwrap_or_else(|_| path.to_owned())));
     }
 
+    /// Opens a clip for a drawing that lives when the window is drawn next.
+    pub fn open_for_drawing(&mut self, path: &Path) {
+        self.first = Some(Source::DrawingClip(std::path::absolute(path).unwrap_or_else(|_| path.to_owned())));
+    }
+
+    /// Opens a picture for a character when the window is drawn next.
+    pub fn open_picture(&mut self, path: &Path) {
+        self.first = Some(Source::Picture(path.to_owned()));
+    }
+
     /// Draws everything, and does what was asked for. Call it for every picture of the window.
     pub fn ui(&mut self, ui: &mut Ui) {
         if !self.set_up {
@@ -359,6 +369,11 @@ impl Open<'_> {
     /// Where marked points hold the drawing: their numbers from 0, and places in its pixels.
     pub fn handles(&self) -> Vec<(usize, (f32, f32))> {
         if let Screen::Drawing(door) = self.0 { door.handles() } else { Vec::new() }
+    }
+
+    /// Where the marked points are in the frame that is shown: marked there, or followed to it.
+    pub fn points(&self) -> Vec<(f32, f32)> {
+        if let Screen::Drawing(door) = self.0 { door.points() } else { Vec::new() }
     }
 
     /// The character's joints.

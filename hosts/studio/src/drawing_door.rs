@@ -27,6 +27,9 @@ use crate::view::View;
 use crate::workshop::{Watched, Workshop};
 use crate::{overlay, sample, texts, timeline, widgets};
 
+/// Fewer points do not say how a drawing lies.
+const LEAST: usize = 3;
+
 /// How much stiffer or softer lines can be made.
 const STIFFNESS: std::ops::RangeInclusive<f32> = 0.02..=50.0;
 
@@ -195,6 +198,9 @@ impl DrawingDoor {
             return Some((Step::Points, Of { points: Some(points.clone()), ..Of::default() }));
         }
         sheet?;
+        if self.shop.document.marks.points.len() < LEAST {
+            return None;
+        }
         let of = Of { points: Some(points.clone()), drawing, held: String::new() };
         let Some(held) = &self.held else { return Some((Step::Bind, of)) };
         let of = Of { held: held.json.clone(), ..of };
@@ -593,7 +599,7 @@ impl DrawingDoor {
                 self.view.fit();
             }
         });
-        if handles.is_empty() {
+        if handles.len() < LEAST {
             crate::canvas::hint(&painter, panel, texts::MARK_HINT);
         }
         match done {
@@ -678,7 +684,7 @@ impl DrawingDoor {
                 self.sheet_view.fit();
             }
         });
-        if self.held.is_none() && self.shop.document.marks.points.is_empty() {
+        if self.held.is_none() && self.shop.document.marks.points.len() < LEAST {
             crate::canvas::hint(&painter, panel, texts::MARK_FIRST);
         }
         match done {
@@ -696,7 +702,7 @@ impl DrawingDoor {
     /// What comes next, in the bar. It always leads on.
     pub(crate) fn show_steps(&mut self, ui: &mut Ui, around: &mut Around) {
         let document = &self.shop.document;
-        let text = if document.marks.points.is_empty() {
+        let text = if document.marks.points.len() < LEAST {
             texts::NEXT_MARK
         } else if self.sheet.is_none() {
             texts::CHOOSE_A_DRAWING
@@ -712,7 +718,7 @@ impl DrawingDoor {
         if self.failed.take().is_some() {
             // What was cancelled or went wrong is tried again.
             self.go_on(around);
-        } else if self.shop.document.marks.points.is_empty() {
+        } else if self.shop.document.marks.points.len() < LEAST {
             around.notices.failed(texts::MARK_HINT);
         } else if self.sheet.is_none() {
             around.picker.ask(gui, Ask::Drawing);
@@ -801,6 +807,11 @@ impl DrawingDoor {
     pub(crate) fn on_sheet(&self, at: (f32, f32)) -> Pos2 {
         let size = self.sheet.as_ref().map_or(Vec2::ZERO, |sheet| sheet.size);
         self.sheet_view.place(self.sheet_panel, size).to_screen(at)
+    }
+
+    /// Where the points are in the frame that is shown.
+    pub(crate) fn points(&self) -> Vec<(f32, f32)> {
+        self.clip_handles(self.shop.playback.frame()).iter().map(|h| h.at).collect()
     }
 
     /// Where the points hold the drawing, by number.

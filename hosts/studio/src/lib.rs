@@ -45,7 +45,7 @@ mod widgets;
 mod window;
 mod workshop;
 
-pub use app::Studio;
+pub use app::{Open, Studio};
 pub use places::Places;
 pub use window::run;
 

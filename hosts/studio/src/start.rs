@@ -237,7 +237,7 @@ fn card_of(ui: &mut Ui, icon: Icon, title: &str, text: &str, button: &str) -> bo
     ui.label(RichText::new(title).size(18.0).color(palette.text).strong());
     ui.add(Label::new(RichText::new(text).color(palette.weak)).wrap());
     // Buttons of all doors in one line.
-    ui.add_space((126.0 - ui.min_rect().height()).max(6.0));
+    ui.add_space((132.0 - ui.min_rect().height()).max(6.0));
     let clicked = widgets::primary_button(ui, button).clicked();
     if title == texts::DOOR_CREATURE {
         ui.label(RichText::new(texts::OR_DROP).size(12.0).color(palette.weak));
@@ -258,10 +258,11 @@ fn sample_card(ui: &mut Ui, sample: &Sample, picture: Option<&TextureHandle>) ->
     let image = Rect::from_min_size(inner.min, Vec2::new(inner.height() * 4.0 / 3.0, inner.height()));
     match picture {
         Some(texture) => {
-            // The middle of a picture of another shape.
-            let (of, shape) = (texture.size_vec2(), image.size());
-            let part = (shape / of) / (shape / of).max_elem();
-            let whole = Rect::from_center_size(pos2(0.5, 0.5), part);
+            // What is see-through has become black on its way.
+            painter.rect_filled(image, 5.0, Color32::BLACK);
+            let of = texture.size_vec2();
+            let image = Rect::from_center_size(image.center(), of * (image.size() / of).min_elem());
+            let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
             let shape = eframe::egui::epaint::RectShape::filled(image, CornerRadius::same(5), Color32::WHITE);
             painter.add(shape.with_texture(texture.id(), whole));
         }

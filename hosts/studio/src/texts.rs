@@ -127,7 +127,7 @@ pub(crate) const FIT: &str = "Fit";
 // A drawing that lives.
 pub(crate) const MARK_HINT: &str =
     "Click on what moves: head, back, tail, then each joint and foot. A dozen points make a good gallop.";
-pub(crate) const MARK_FIRST: &str = "Mark points on the clip, and they will be laid on the drawing.";
+pub(crate) const MARK_FIRST: &str = "Mark at least three points on the clip, and they will be laid on the drawing.";
 pub(crate) const NEXT_MARK: &str = "Next: mark points";
 pub(crate) const NO_POINTS: &str = "Each click on the clip becomes a point here.";
 pub(crate) const MORE_POINTS: &str = "Click for more. Where a point strays, drag it back on that frame.";
