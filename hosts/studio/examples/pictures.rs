@@ -17,7 +17,7 @@ use image::codecs::jpeg::JpegEncoder;
 use marey_studio::egui::{Key, Modifiers, Theme};
 
 /// What the page shows.
-const DOCS: [&str; 8] = ["start", "drawing", "creature", "export", "character", "marks", "lives", "lives-export"];
+const DOCS: [&str; 7] = ["start", "drawing", "creature", "export", "character", "lives", "lives-export"];
 
 fn main() {
     let folder = PathBuf::from(std::env::args().nth(1).unwrap_or_else(|| ".".into()));

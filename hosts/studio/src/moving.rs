@@ -132,10 +132,13 @@ impl MovingPictures {
                 Err(message) => self.failed = Some(message),
             }
         }
-        if let Some(picture) = self.pictures.get(&frame) {
+        let mut wanted = lock(&self.shared.0);
+        // The frame itself, or the last one before it that is drawn: drawing may be slower than time.
+        let frames = wanted.frames.max(1);
+        let behind = |at: &u64| (frame + frames - at % frames) % frames;
+        if let Some((_, picture)) = self.pictures.iter().min_by_key(|(at, _)| behind(at)) {
             self.shown = Some(picture.clone());
         }
-        let mut wanted = lock(&self.shared.0);
         while self.pictures.len() > self.most {
             // The one that is shown last from here on.
             let ahead = |at: &u64| (at + wanted.frames - frame % wanted.frames.max(1)) % wanted.frames.max(1);
