@@ -126,7 +126,7 @@ impl Call<'_> {
     ) -> Outcome<(Arc<marey::clip::Clip>, Inputs, Option<Tracked>, Chosen)> {
         self.session(session, |document| {
             let clip = document.clip(&self.context.clip_options(Default::default()))?;
-            let Document { inputs, tracked } = document.session.document().clone();
+            let Document { inputs, tracked, .. } = document.session.document().clone();
             let fit = ((clip.info().width, clip.info().height), clip.info().frames);
             inputs.rig.validate(Some(fit)).map_err(|e| Failure::from(e).about("session"))?;
             let chosen = inputs.settings.resolve();

@@ -406,6 +406,33 @@
 /** Access to a session file: to read it, whoever edits it. */
 #define MRY_ACCESS_READ_ONLY 1
 
+/** Part of a session: control points, a points.json. */
+#define MRY_PART_POINTS 0
+
+/** Part of a session: joints marked in the clip, a joints.json. */
+#define MRY_PART_JOINTS 1
+
+/** Part of a session: a vector drawing, an SVG. */
+#define MRY_PART_DRAWING 2
+
+/** Part of a session: how points hold the drawing, a bind.json. */
+#define MRY_PART_BINDING 3
+
+/** Part of a session: the picture of a character, a PNG, JPEG, WebP or GIF. */
+#define MRY_PART_PICTURE 4
+
+/** Part of a session: a character's mesh and skeleton, a rig.json. */
+#define MRY_PART_SKELETON 5
+
+/** Part of a session: the motion that moves a character, a motion.json. */
+#define MRY_PART_MOTION 6
+
+/** Part of a session: which joint follows what, a map.json. */
+#define MRY_PART_MAP 7
+
+/** Part of a session: text of the host's own. */
+#define MRY_PART_NOTES 8
+
 /** Kind of a parameter: any number from low to high. */
 #define MRY_PARAMETER_NUMBER 0
 
@@ -9029,6 +9056,62 @@ mry_status mry_session_get_motion(mry_context *context,
                                   mry_session session,
                                   mry_motion *out_motion,
                                   mry_error *err);
+
+/** @} */
+
+/**
+ * @defgroup session_parts Session parts
+ *
+ * Session parts. Files that a session holds whole for characters and sketches: marked points, a drawing, what binds them,
+ * a picture and its skeleton. Setting one is an edit like others: a step of undo, on the disk when the call returns.
+ *
+ * A part goes in and out as the bytes of its file. Objects are made of them by the calls that read such text, such as
+ * mry_control_points_from_json, and give them by those that write it, such as mry_control_points_to_json.
+ * @{
+ */
+
+/**
+ * Sets a part of a session, in place of the one it has, or takes it away.
+ *
+ * @param context  The context.
+ * @param session  The session.
+ * @param part     MRY_PART_POINTS, ...
+ * @param bytes    The bytes of its file, which are copied; NULL with count 0 to take it away.
+ * @param count    How many; at most 64 MiB.
+ * @param err      Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_ARGUMENT (part), MRY_E_INPUT (they are not such a file, or the session is read-only),
+ *         MRY_E_LIMIT, MRY_E_IO, MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_session_set_part(mry_context *context,
+                                mry_session session,
+                                int32_t part,
+                                const uint8_t *bytes,
+                                size_t count,
+                                mry_error *err);
+
+/**
+ * A part of a session, as the bytes of its file.
+ *
+ * @param context    The context.
+ * @param session    The session.
+ * @param part       MRY_PART_POINTS, ...
+ * @param bytes      Where they go, without a NUL; NULL with capacity 0 to ask for the count.
+ * @param capacity   Room at bytes.
+ * @param out_count  How many there are.
+ * @param err        Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_NOT_FOUND (it has none), MRY_E_BUFFER_TOO_SMALL, MRY_E_ARGUMENT (part), MRY_E_BUSY.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_session_get_part(mry_context *context,
+                                mry_session session,
+                                int32_t part,
+                                uint8_t *bytes,
+                                size_t capacity,
+                                size_t *out_count,
+                                mry_error *err);
 
 /** @} */
 

@@ -1685,6 +1685,18 @@ public:
     return detail::perform([&](mry_error *err) { return mry_session_get_fingerprint(c(), id_, &number, err); },
                            [&] { return number; });
   }
+  /** Sets a part, MRY_PART_POINTS, ..., by the bytes of its file; none to take it away. */
+  result<void> set_part(std::int32_t part, const std::vector<std::uint8_t> &bytes) {
+    return detail::perform(
+      [&](mry_error *err) { return mry_session_set_part(c(), id_, part, bytes.data(), bytes.size(), err); });
+  }
+  /** A part, as the bytes of its file. */
+  result<std::vector<std::uint8_t>> part(std::int32_t part) const {
+    return detail::list<std::uint8_t>(
+      [&](std::uint8_t *bytes, std::size_t capacity, std::size_t *count, mry_error *err) {
+        return mry_session_get_part(c(), id_, part, bytes, capacity, count, err);
+      });
+  }
   /** Replaces everything that is drawn by a copy of a rig. */
   result<void> set_rig(const marey::rig &rig) {
     return detail::perform([&](mry_error *err) { return mry_session_set_rig(c(), id_, rig.id(), err); });

@@ -1156,7 +1156,8 @@ static mry_status use_session(soak *s) {
   double value = 0;
   mry_status status;
   uint64_t fingerprint = 0;
-  switch (below(s, 29)) {
+  uint8_t bytes[64];
+  switch (below(s, 31)) {
     case 0: status = mry_session_create(s->context, place(s, name, ".marey"), &made, ERR); break;
     case 1: status = mry_session_create_untitled(s->context, MRY_STR(s->folder), &made, ERR); break;
     case 2: status = mry_session_open(s->context, place(s, name, ".marey"), (int32_t)number(s, 3), &made, ERR); break;
@@ -1189,6 +1190,12 @@ static mry_status use_session(soak *s) {
     case 25: return mry_session_stop_recording(s->context, session, ERR);
     case 26: return mry_session_get_fingerprint(s->context, session, &fingerprint, ERR);
     case 27: status = mry_session_replay(s->context, place(s, name, ".recording"), frame(s), &made, ERR); break;
+    case 28:
+      return mry_session_set_part(s->context, session, (int32_t)number(s, 10), (const uint8_t *)"a note", below(s, 7),
+                                  ERR);
+    case 29:
+      return mry_session_get_part(s->context, session, (int32_t)number(s, 10), bytes, below(s, sizeof bytes + 1),
+                                  &count, ERR);
     case 22: return mry_session_take(s->context, session, (mry_job){ id(s, JOB) }, ERR);
     default:
       status = mry_session_start_track(s->context, session, &job, ERR);

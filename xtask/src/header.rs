@@ -14,7 +14,7 @@ use cbindgen::{Builder, Config, DocumentationStyle, EnumConfig, ExportConfig, Fu
 use crate::shell::{root, say};
 
 /// The files of ffi/src in the order a reader meets them.
-const FILES: [&str; 68] = [
+const FILES: [&str; 69] = [
     "version.rs",
     "status.rs",
     "string.rs",
@@ -76,6 +76,7 @@ const FILES: [&str; 68] = [
     "session.rs",
     "gesture.rs",
     "session_media.rs",
+    "session_parts.rs",
     "session_recording.rs",
     "drawing.rs",
     "parameter.rs",

@@ -1,11 +1,13 @@
 //! The document: all that a session's user made, and what was tracked from it.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
 use super::clip_reference::ClipReference;
 use super::parameters::Settings;
+use super::part::{Part, PartKind};
 use crate::error::{Error, Result};
 use crate::motion::Motion;
 use crate::rig::Rig;
@@ -58,4 +60,6 @@ pub struct Document {
     pub inputs: Inputs,
     /// What was tracked last, from these inputs or from earlier ones.
     pub tracked: Option<Tracked>,
+    /// What is held for characters and sketches.
+    pub parts: BTreeMap<PartKind, Part>,
 }

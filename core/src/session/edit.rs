@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 use super::clip_reference::ClipReference;
 use super::document::{Document, Tracked};
 use super::parameters::Value;
+use super::part::{Part, PartKind};
 use crate::error::{Error, Result};
 use crate::rig::{Facing, KeyFrame, Limb, LimbDepth, Paint, Rig, Stroke};
 
@@ -55,6 +56,8 @@ pub(super) enum Edit {
     Parameter { name: String, value: Option<Value> },
     /// What was tracked.
     Tracked(Option<Tracked>),
+    /// A part, or none of its kind.
+    Part { kind: PartKind, part: Option<Part> },
 }
 
 impl Edit {
@@ -81,6 +84,16 @@ impl Edit {
             Self::Tracked(tracked) => {
                 tracked.as_ref().map_or(Ok(()), Tracked::check)?;
                 Ok(Self::Tracked(std::mem::replace(&mut document.tracked, tracked.clone())))
+            }
+            Self::Part { kind, part } => {
+                if part.as_ref().is_some_and(|p| p.kind() != *kind) {
+                    return Err(Error::invalid("part", "is of another kind than it says", "set it as what it is"));
+                }
+                let was = match part {
+                    Some(part) => document.parts.insert(*kind, part.clone()),
+                    None => document.parts.remove(kind),
+                };
+                Ok(Self::Part { kind: *kind, part: was })
             }
             Self::Rig(rig) => {
                 let mut rig = rig.clone();
@@ -110,6 +123,7 @@ impl Edit {
             (Self::Stroke { limb: a, frame: f, .. }, Self::Stroke { limb: b, frame: g, .. }) => (a, f) == (b, g),
             (Self::Mask { frame: a, .. }, Self::Mask { frame: b, .. }) => a == b,
             (Self::Parameter { name: a, .. }, Self::Parameter { name: b, .. }) => a == b,
+            (Self::Part { kind: a, .. }, Self::Part { kind: b, .. }) => a == b,
             _ => false,
         }
     }
@@ -170,7 +184,7 @@ impl Edit {
                     Ok(Self::Mask { frame: *frame, mask: std::mem::replace(&mut key.mask, mask.clone()) })
                 })
             }
-            Self::Clip { .. } | Self::Rig(_) | Self::Parameter { .. } | Self::Tracked(_) => {
+            Self::Clip { .. } | Self::Rig(_) | Self::Parameter { .. } | Self::Tracked(_) | Self::Part { .. } => {
                 Err(Error::invalid("edit", "is not of the rig", "apply it to the document"))
             }
         }

@@ -14,6 +14,7 @@ use super::document::{Inputs, Tracked};
 use super::edit::{Drawn, Edit};
 use super::outdated::Outdated;
 use super::parameters::Value;
+use super::part::{Part, PartKind};
 use crate::error::{Error, Result};
 use crate::motion::Motion;
 use crate::rig::{Facing, Limb, LimbDepth, Paint, Rig, Side};
@@ -157,6 +158,14 @@ impl Session {
         let outdated = self.edit("make a creature", Edit::Tracked(Some(Tracked { motion, inputs: inputs.clone() })))?;
         self.creature_of = Some(inputs);
         Ok(outdated)
+    }
+
+    /// Sets a part, or with [`None`] takes the one of its kind away.
+    ///
+    /// # Errors
+    /// It is of another kind, or could not be written.
+    pub fn set_part(&mut self, kind: PartKind, part: Option<Part>) -> Result<Outdated> {
+        self.edit(&format!("change the {}", kind.name()), Edit::Part { kind, part })
     }
 
     fn label(&self, limb: usize) -> String {

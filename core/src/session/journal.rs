@@ -16,7 +16,8 @@ use super::record;
 use crate::error::{Error, Result};
 
 const FORMAT: &str = "marey-journal";
-const VERSION: u32 = 1;
+/// Version 2 has parts; one of version 1 is read as it is.
+const VERSION: u32 = 2;
 
 /// What a gesture did to the history.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -80,7 +81,7 @@ pub(super) fn read(bytes: &[u8], session: &Path, id: &str, saved: u64) -> Result
             let remedy = format!("this program reads version {VERSION}; open the session with a newer one");
             return Err(Error::file(path_of(session), problem, remedy));
         }
-        Some(h) if h.format == FORMAT && h.version == VERSION && h.session == id => {}
+        Some(h) if h.format == FORMAT && h.session == id => {}
         _ => {
             read.lost
                 .push("the journal is not of this session, or its beginning is damaged; nothing of it is used".into());

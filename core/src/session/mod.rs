@@ -1,5 +1,5 @@
-//! The document that a host edits: a clip by reference, the rig drawn on it, chosen parameters, and the motion that
-//! was tracked.
+//! The document that a host edits: a clip by reference, the rig drawn on it, chosen parameters, the motion that was
+//! tracked, and parts for characters and sketches: marked points, a drawing, what binds them, a picture, its skeleton.
 //!
 //! Edits come in gestures: what a person does in one go, such as drawing a stroke or dragging a slider, and takes back
 //! in one go. There is no end to undo. A session with a file is always safe: a finished gesture is on the disk before
@@ -20,6 +20,7 @@ mod incremental;
 mod journal;
 mod outdated;
 mod parameters;
+mod part;
 mod record;
 mod recording;
 mod session_file;
@@ -33,6 +34,7 @@ pub use embedded::UnpackedMedia;
 pub use incremental::Incremental;
 pub use outdated::{Outdated, OutdatedLimb};
 pub use parameters::{Chosen, Helpers, Kind, LONGEST, PARAMETERS, Parameter, Settings, Value};
+pub use part::{LARGEST_PART, Part, PartKind};
 pub use store::Access;
 
 use std::sync::Arc;

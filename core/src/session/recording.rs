@@ -85,7 +85,7 @@ impl Session {
     /// A number that tells this document from others: of two that are alike to the last bit it is the same, on any
     /// machine and wherever their clips lie.
     pub fn fingerprint(&self) -> u64 {
-        let Document { inputs, tracked } = &self.document;
+        let Document { inputs, tracked, parts } = &self.document;
         let content =
             |clip: &super::ClipReference| (clip.bytes, clip.crc32, clip.size, clip.frames, clip.fps.to_bits());
         let rig = |rig: &Rig| {
@@ -99,7 +99,11 @@ impl Session {
             serde_json::json!([inputs.clip.as_deref().map(content), rig(&inputs.rig), inputs.settings])
         };
         let tracked = tracked.as_ref().map(|t| (&*t.motion, of(&t.inputs)));
-        let text = serde_json::json!([of(inputs), tracked]).to_string();
+        let mut text = serde_json::json!([of(inputs), tracked]).to_string();
+        // What has no parts has the number that it always had.
+        for part in parts.values() {
+            text += &serde_json::json!(part).to_string();
+        }
         (text.len() as u64) << 32 | u64::from(crc32fast::hash(text.as_bytes()))
     }
 }

@@ -1,5 +1,5 @@
 //! The session file: records (see [`super::record`]), first a header and then one section each for the clip, the rig,
-//! the settings and what was tracked.
+//! the settings, what was tracked, and every part.
 //!
 //! A damaged section costs itself and no other. Sections of names that are not known are kept as they are; a newer
 //! version, or something unknown inside a known section, is refused: reading on would lose it at the next save.
@@ -15,6 +15,7 @@ use super::clip_reference::{ClipReference, ClipState};
 use super::document::{Document, Inputs, Tracked};
 use super::durable::folder_of;
 use super::embedded::{self, Piece};
+use super::part::{Part, PartKind};
 use super::record;
 use crate::error::{Error, Result};
 use crate::job::Stage;
@@ -84,7 +85,7 @@ pub(super) struct Contents {
 /// The bytes of a session file that is to lie at `path`.
 pub(super) fn encode(contents: &Contents, path: &Path) -> Result<Vec<u8>> {
     let folder = folder_of(path);
-    let Document { inputs, tracked } = &contents.document;
+    let Document { inputs, tracked, parts } = &contents.document;
     let clip = inputs.clip.as_ref().map(|clip| ClipSection {
         reference: ClipReference { path: relative(folder, &clip.path), ..(**clip).clone() },
         absolute: clip.path.clone(),
@@ -98,6 +99,9 @@ pub(super) fn encode(contents: &Contents, path: &Path) -> Result<Vec<u8>> {
     add("settings", section("settings", &inputs.settings))?;
     if let Some(tracked) = tracked {
         add("tracked", section("tracked", tracked))?;
+    }
+    for (kind, part) in parts {
+        add(kind.name(), section(kind.name(), part))?;
     }
     if contents.embeds {
         let mut pieces = String::new();
@@ -205,7 +209,7 @@ pub(super) fn decode(bytes: &[u8], path: &Path) -> Result<Contents> {
 impl Contents {
     /// Takes over a section, whose `text` is whole.
     fn take(&mut self, name: &str, text: &str, path: &Path) -> Result<()> {
-        let Document { inputs, tracked } = &mut self.document;
+        let Document { inputs, tracked, parts } = &mut self.document;
         let checked = match name {
             "clip" => {
                 let ClipSection { mut reference, absolute } = data(text, path, "clip")?;
@@ -233,6 +237,11 @@ impl Contents {
                 let checked = read.check().and_then(|()| read.inputs.rig.validate_draft());
                 *tracked = Some(read);
                 checked
+            }
+            _ if PartKind::ALL.iter().any(|kind| kind.name() == name) => {
+                let part: Part = data(text, path, name)?;
+                parts.insert(part.kind(), part);
+                Ok(())
             }
             _ => {
                 self.unknown.push(parse(text, path, name)?);

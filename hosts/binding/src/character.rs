@@ -311,6 +311,17 @@ impl Take {
         Ok(places(&sys::take_joints(&self.context.0, self.id, frame)?))
     }
 
+    /// Width and height in pixels of what pictures show, and where their left upper corner lies on the drawing.
+    pub fn measure(&self, scale: f32, crop: bool) -> Result<((u32, u32), (f32, f32))> {
+        let (width, height, corner) = sys::take_measure(&self.context.0, self.id, scale, crop)?;
+        Ok(((width, height), (corner.x, corner.y)))
+    }
+
+    /// Width, height and pixels (red, green, blue, alpha) of a frame, `scale` pixels a pixel of the drawing.
+    pub fn draw(&self, frame: u64, scale: f32, crop: bool) -> Result<(u32, u32, Vec<u8>)> {
+        sys::take_draw(&self.context.0, self.id, frame, scale, crop)
+    }
+
     /// The text of the report of the job that made it.
     pub fn report(&self) -> Result<String> {
         sys::take_report(&self.context.0, self.id)

@@ -50,6 +50,11 @@ impl Context {
         Ok(Motion { id: sys::motion_read(&self.0, path)?, context: self.clone() })
     }
 
+    /// Reads the text of a motion.json.
+    pub fn motion_from_json(&self, json: &str) -> Result<Motion> {
+        Ok(Motion { id: sys::motion_from_json(&self.0, json)?, context: self.clone() })
+    }
+
     /// Starts tracking.
     pub fn start_track(&self, clip: &Clip, rig: &Rig, options: &TrackOptions<'_>) -> Result<Job> {
         Ok(Job { id: sys::start_track(&self.0, clip.id, rig.id, options.tracker)?, context: self.clone() })

@@ -3,8 +3,9 @@
 use std::ops::Range;
 
 use marey_ffi::{
-    MRY_ACCESS_EDIT, MRY_ACCESS_READ_ONLY, MRY_PAINT_BACKGROUND, MRY_PAINT_FOREGROUND, mry_clip, mry_motion, mry_point,
-    mry_session, mry_status_code as Code,
+    MRY_ACCESS_EDIT, MRY_ACCESS_READ_ONLY, MRY_PAINT_BACKGROUND, MRY_PAINT_FOREGROUND, MRY_PART_BINDING,
+    MRY_PART_DRAWING, MRY_PART_JOINTS, MRY_PART_MAP, MRY_PART_MOTION, MRY_PART_NOTES, MRY_PART_PICTURE,
+    MRY_PART_POINTS, MRY_PART_SKELETON, mry_clip, mry_motion, mry_point, mry_session, mry_status_code as Code,
 };
 
 use crate::{Clip, Context, Error, Facing, Job, Motion, Result, Rig, Side, sys};
@@ -25,6 +26,30 @@ pub enum Access {
     Edit,
     /// To be read, whoever edits it.
     ReadOnly,
+}
+
+/// A file that a session holds whole.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[repr(i32)]
+pub enum Part {
+    /// Control points, a points.json.
+    Points = MRY_PART_POINTS,
+    /// Joints marked in the clip, a joints.json.
+    Joints = MRY_PART_JOINTS,
+    /// A vector drawing, an SVG.
+    Drawing = MRY_PART_DRAWING,
+    /// How points hold the drawing, a bind.json.
+    Binding = MRY_PART_BINDING,
+    /// The picture of a character.
+    Picture = MRY_PART_PICTURE,
+    /// A character's mesh and skeleton, a rig.json.
+    Skeleton = MRY_PART_SKELETON,
+    /// The motion that moves a character, a motion.json.
+    Motion = MRY_PART_MOTION,
+    /// Which joint follows what, a map.json.
+    Map = MRY_PART_MAP,
+    /// Text of the host's own.
+    Notes = MRY_PART_NOTES,
 }
 
 /// How a session is.
@@ -209,6 +234,16 @@ impl Session {
     pub fn clip(&self) -> Result<Option<Clip>> {
         let clip = found(sys::session_clip(&self.context.0, self.id))?;
         Ok(clip.map(|id| Clip { id, context: self.context.clone() }))
+    }
+
+    /// Sets a part by the bytes of its file, or takes it away.
+    pub fn set_part(&self, part: Part, bytes: Option<&[u8]>) -> Result<()> {
+        sys::session_set_part(&self.context.0, self.id, part as i32, bytes.unwrap_or_default())
+    }
+
+    /// A part, as the bytes of its file; [`None`] where it has none.
+    pub fn part(&self, part: Part) -> Result<Option<Vec<u8>>> {
+        found(sys::session_part(&self.context.0, self.id, part as i32))
     }
 
     /// Replaces everything that is drawn by a copy of `rig`.

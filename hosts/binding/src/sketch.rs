@@ -295,6 +295,12 @@ impl SketchTake {
         Ok(elements.iter().map(one).collect())
     }
 
+    /// Width and height in pixels of what pictures show, and where their left upper corner lies on the drawing.
+    pub fn measure(&self, scale: f32, crop: bool) -> Result<((u32, u32), (f32, f32))> {
+        let (width, height, corner) = sys::sketch_take_measure(&self.context.0, self.id, scale, crop)?;
+        Ok(((width, height), (corner.x, corner.y)))
+    }
+
     /// Width, height and pixels (red, green, blue, alpha) of a frame, `scale` pixels a pixel of the drawing.
     pub fn draw(&self, frame: u64, scale: f32, crop: bool) -> Result<(u32, u32, Vec<u8>)> {
         sys::sketch_take_draw(&self.context.0, self.id, frame, scale, crop)

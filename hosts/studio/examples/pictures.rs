@@ -1,4 +1,5 @@
-//! Pictures of the studio's screens: those of its page in the docs, or `all`, light and dark.
+//! Pictures of the studio's screens: those of its page in the docs, or `all`, light and dark; of one door only where a
+//! third word is `creature`, `character` or `drawing`.
 //!
 //! `cargo run --release -p marey-studio --example pictures -- docs/pictures`
 #![allow(clippy::print_stdout, reason = "it is what this is for")]
@@ -16,7 +17,7 @@ use image::codecs::jpeg::JpegEncoder;
 use marey_studio::egui::{Key, Modifiers, Theme};
 
 /// What the page shows.
-const DOCS: [&str; 4] = ["start", "drawing", "creature", "export"];
+const DOCS: [&str; 7] = ["start", "drawing", "creature", "export", "character", "lives", "lives-export"];
 
 fn main() {
     let folder = PathBuf::from(std::env::args().nth(1).unwrap_or_else(|| ".".into()));
@@ -46,59 +47,165 @@ fn main() {
             desk.harness.step();
             desk.harness.key_press_modifiers(Modifiers::COMMAND, Key::L);
         }
+        let door = std::env::args().nth(3);
+        let wanted = |name: &str| door.as_ref().is_none_or(|door| door == name);
         desk.rest(1200);
         save(&mut desk, "start");
-        // Drawing, in the middle of a leg.
-        let clip = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../data/fox/clip.mp4");
-        desk.drop_file(&clip);
-        desk.wait_open();
-        desk.rest(1500);
-        save(&mut desk, "empty");
-        desk.draw(&[(315.0, 245.0), (370.0, 252.0), (425.0, 257.0)]);
-        desk.draw(&[(425.0, 257.0), (470.0, 246.0), (515.0, 234.0)]);
-        desk.draw(&[(315.0, 245.0), (285.0, 238.0), (240.0, 270.0), (190.0, 298.0), (162.0, 299.0)]);
-        let leg = [(317.0, 246.0), (335.0, 285.0), (300.0, 305.0), (262.0, 312.0)];
-        desk.press_along(&leg);
-        save(&mut desk, "drawing");
-        desk.harness.drop_at(desk.harness.state().open().unwrap().on_screen(leg[3]));
-        desk.harness.run_steps(3);
-        desk.click("To the start");
-        desk.rest(300);
-        save(&mut desk, "again");
-        desk.click("Open the sample: a fox that walks");
-        desk.wait_open();
-        desk.wait("thumbnails", |s| s.open().is_some_and(|o| o.is_busy()));
-        desk.rest(1500);
-        save(&mut desk, "making");
-        desk.wait("the creature", |s| s.open().is_some_and(|o| o.has_creature() && o.pictures() > 0));
-        desk.harness.key_press(Key::Space);
-        desk.harness.run_steps(3);
-        desk.harness.key_press(Key::Home);
-        for _ in 0..23 {
-            desk.harness.key_press(Key::Period);
+        if wanted("creature") {
+            creature(&mut desk, &save);
         }
-        desk.click("Draw hind_near");
-        desk.rest(1500);
-        save(&mut desk, "creature");
-        desk.harness.key_press(Key::Num3);
-        desk.harness.key_press(Key::Num4);
-        desk.harness.key_press(Key::V);
-        desk.harness.key_press(Key::V);
-        desk.rest(1500);
-        save(&mut desk, "overlays");
-        desk.click("Export…");
-        desk.click("Animated WebP");
-        desk.click("File");
-        desk.harness.key_press_modifiers(Modifiers::COMMAND, Key::A);
-        desk.harness.step();
-        desk.harness.get_by_label("File").type_text("/home/ada/Pictures/A fox that walks.webp");
-        desk.harness.step();
-        desk.harness.key_press(Key::Enter);
-        desk.rest(1500);
-        save(&mut desk, "export");
-        desk.harness.key_press(Key::Escape);
-        desk.harness.run_steps(3);
-        desk.harness.key_press_modifiers(Modifiers::NONE, Key::F1);
-        save(&mut desk, "keys");
+        if wanted("character") {
+            character(&mut desk, &save);
+        }
+        if wanted("drawing") {
+            drawing(&mut desk, &save);
+        }
     }
+}
+
+/// Keeps a picture under a name.
+type Save<'a> = &'a dyn Fn(&mut Desk, &str);
+
+fn creature(desk: &mut Desk, save: Save<'_>) {
+    // Drawing, in the middle of a leg.
+    let clip = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../data/fox/clip.mp4");
+    desk.drop_file(&clip);
+    desk.wait_open();
+    desk.rest(1500);
+    save(desk, "empty");
+    desk.draw(&[(315.0, 245.0), (370.0, 252.0), (425.0, 257.0)]);
+    desk.draw(&[(425.0, 257.0), (470.0, 246.0), (515.0, 234.0)]);
+    desk.draw(&[(315.0, 245.0), (285.0, 238.0), (240.0, 270.0), (190.0, 298.0), (162.0, 299.0)]);
+    let leg = [(317.0, 246.0), (335.0, 285.0), (300.0, 305.0), (262.0, 312.0)];
+    desk.press_along(&leg);
+    save(desk, "drawing");
+    desk.harness.drop_at(desk.harness.state().open().unwrap().on_screen(leg[3]));
+    desk.harness.run_steps(3);
+    desk.click("To the start");
+    desk.rest(300);
+    save(desk, "again");
+    desk.click("Open the sample: a fox that walks");
+    desk.wait_open();
+    desk.wait("thumbnails", |s| s.open().is_some_and(|o| o.is_busy()));
+    desk.rest(1500);
+    save(desk, "making");
+    desk.wait("the creature", |s| s.open().is_some_and(|o| o.has_creature() && o.pictures() > 0));
+    desk.harness.key_press(Key::Space);
+    desk.harness.run_steps(3);
+    desk.harness.key_press(Key::Home);
+    for _ in 0..23 {
+        desk.harness.key_press(Key::Period);
+    }
+    desk.click("Draw hind_near");
+    desk.rest(1500);
+    save(desk, "creature");
+    desk.harness.key_press(Key::Num3);
+    desk.harness.key_press(Key::Num4);
+    desk.harness.key_press(Key::V);
+    desk.harness.key_press(Key::V);
+    desk.rest(1500);
+    save(desk, "overlays");
+    desk.click("Export…");
+    desk.click("Animated WebP");
+    desk.click("File");
+    desk.harness.key_press_modifiers(Modifiers::COMMAND, Key::A);
+    desk.harness.step();
+    desk.harness.get_by_label("File").type_text("/home/ada/Pictures/A fox that walks.webp");
+    desk.harness.step();
+    desk.harness.key_press(Key::Enter);
+    desk.rest(1500);
+    save(desk, "export");
+    desk.harness.key_press(Key::Escape);
+    desk.harness.run_steps(3);
+    desk.harness.key_press_modifiers(Modifiers::NONE, Key::F1);
+    save(desk, "keys");
+    desk.harness.key_press(Key::Escape);
+    desk.harness.run_steps(3);
+
+    desk.click("To the start");
+    desk.harness.run_steps(3);
+}
+
+fn character(desk: &mut Desk, save: Save<'_>) {
+    // As it walks, with a joint selected.
+    desk.click("Open the sample: a girl who waves");
+    desk.wait("the girl to walk", |s| s.open().is_some_and(|o| o.moves() && !o.is_busy() && o.pictures() > 8));
+    desk.harness.key_press(Key::Space);
+    desk.harness.run_steps(3);
+    desk.harness.key_press(Key::Home);
+    for _ in 0..6 {
+        desk.harness.key_press(Key::Period);
+    }
+    for _ in 0..8 {
+        desk.harness.key_press(Key::L);
+    }
+    desk.rest(800);
+    save(desk, "character");
+    desk.click("Export…");
+    desk.rest(1200);
+    save(desk, "character-export");
+    desk.harness.key_press(Key::Escape);
+    desk.harness.run_steps(3);
+
+    desk.click("To the start");
+    desk.harness.run_steps(3);
+}
+
+fn drawing(desk: &mut Desk, save: Save<'_>) {
+    // While points are marked, without a drawing yet.
+    let clip = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../data/animals/kangaroo-hop.webp");
+    desk.harness.state_mut().open_for_drawing(&clip);
+    desk.wait_open();
+    desk.rest(1500);
+    save(desk, "unmarked");
+    for at in [
+        (22.0, 180.0),
+        (148.0, 58.0),
+        (280.0, 128.0),
+        (226.0, 312.0),
+        (370.0, 330.0),
+        (286.0, 442.0),
+        (425.0, 290.0),
+        (500.0, 334.0),
+    ] {
+        let at = desk.harness.state().open().unwrap().on_screen(at);
+        desk.harness.hover_at(at);
+        desk.harness.drag_at(at);
+        desk.harness.drop_at(at);
+        desk.harness.run_steps(3);
+    }
+    desk.wait("the points", |s| s.open().is_some_and(|o| !o.is_busy()));
+    desk.rest(800);
+    save(desk, "marks");
+    // The horse: equal numbers, and in motion.
+    desk.click("To the start");
+    desk.harness.run_steps(3);
+    desk.click("Open the sample: a horse that gallops");
+    desk.wait("the horse to gallop", |s| s.open().is_some_and(|o| o.moves() && !o.is_busy() && o.pictures() > 8));
+    desk.harness.key_press(Key::Space);
+    desk.harness.run_steps(3);
+    desk.harness.key_press(Key::Home);
+    for _ in 0..5 {
+        desk.harness.key_press(Key::Period);
+    }
+    desk.rest(800);
+    save(desk, "lives");
+    desk.click("Numbers");
+    for _ in 0..8 {
+        desk.harness.key_press(Key::Period);
+    }
+    desk.rest(800);
+    save(desk, "gallops");
+    desk.click("Export…");
+    desk.click("Lottie (.json)");
+    desk.click("File");
+    desk.harness.key_press_modifiers(Modifiers::COMMAND, Key::A);
+    desk.harness.step();
+    desk.harness.get_by_label("File").type_text("/home/ada/Pictures/A horse that gallops.json");
+    desk.harness.step();
+    desk.harness.key_press(Key::Enter);
+    desk.rest(1200);
+    save(desk, "lives-export");
+    desk.harness.key_press(Key::Escape);
+    desk.harness.run_steps(3);
 }

@@ -6,7 +6,10 @@ use eframe::egui::{self, Align, Frame, Label, Layout, Margin, Panel, RichText, U
 use marey_binding::{Access, Context};
 
 use crate::around::Around;
+use crate::character_door::CharacterDoor;
 use crate::creature_door::CreatureDoor;
+use crate::document::{Document, Door};
+use crate::drawing_door::DrawingDoor;
 use crate::icons::Icon;
 use crate::notices::Notices;
 use crate::opening::{Opening, Source};
@@ -22,6 +25,29 @@ enum Screen {
     Start(Option<Box<Start>>),
     Opening(Opening),
     Creature(Box<CreatureDoor>),
+    Character(Box<CharacterDoor>),
+    Drawing(Box<DrawingDoor>),
+}
+
+impl Screen {
+    /// What is open.
+    fn document(&self) -> Option<&Document> {
+        match self {
+            Self::Creature(door) => Some(&door.document),
+            Self::Character(door) => Some(&door.shop.document),
+            Self::Drawing(door) => Some(&door.shop.document),
+            Self::Start(_) | Self::Opening(_) => None,
+        }
+    }
+
+    fn show_steps(&mut self, ui: &mut Ui, around: &mut Around) {
+        match self {
+            Self::Creature(door) => door.show_steps(ui, around),
+            Self::Character(door) => door.show_steps(ui, around),
+            Self::Drawing(door) => door.show_steps(ui, around),
+            Self::Start(_) | Self::Opening(_) => {}
+        }
+    }
 }
 
 /// The program.
@@ -60,6 +86,16 @@ impl Studio {
         self.first = Some(Source::of_path(&std::path::absolute(path).unwrap_or_else(|_| path.to_owned())));
     }
 
+    /// Opens a clip for a drawing that lives when the window is drawn next.
+    pub fn open_for_drawing(&mut self, path: &Path) {
+        self.first = Some(Source::DrawingClip(std::path::absolute(path).unwrap_or_else(|_| path.to_owned())));
+    }
+
+    /// Opens a picture for a character when the window is drawn next.
+    pub fn open_picture(&mut self, path: &Path) {
+        self.first = Some(Source::Picture(path.to_owned()));
+    }
+
     /// Draws everything, and does what was asked for. Call it for every picture of the window.
     pub fn ui(&mut self, ui: &mut Ui) {
         if !self.set_up {
@@ -88,6 +124,8 @@ impl Studio {
             Screen::Creature(door) => {
                 door.show(ui, &mut self.around);
             }
+            Screen::Character(door) => door.show(ui, &mut self.around),
+            Screen::Drawing(door) => door.show(ui, &mut self.around),
         }
         if self.help {
             self.help = help::show(ui.ctx());
@@ -116,10 +154,7 @@ impl Studio {
 
     /// What is open, for tests and measurements.
     pub fn open(&self) -> Option<Open<'_>> {
-        match &self.screen {
-            Screen::Creature(door) => Some(Open(door)),
-            _ => None,
-        }
+        self.screen.document().map(|document| Open(&self.screen, document))
     }
 
     /// What came from other threads and from outside.
@@ -130,16 +165,34 @@ impl Studio {
         let dropped: Vec<PathBuf> =
             ui.input(|i| i.raw.dropped_files.iter().map(|file| file.path().to_owned()).collect());
         for path in dropped {
-            self.take_file(&path, ui.ctx());
+            self.take_file(&path, None, ui.ctx());
         }
         if let Some((ask, path)) = self.around.picker.answer() {
-            match (ask, &mut self.screen) {
-                (Ask::Clip | Ask::Session, _) => self.take_file(&path, ui.ctx()),
+            match (&ask, &mut self.screen) {
+                (Ask::DrawingClip, _) => self.open_source(Source::DrawingClip(path), ui.ctx()),
+                (Ask::Picture, Screen::Start(_)) => self.open_source(Source::Picture(path), ui.ctx()),
+                (Ask::Clip | Ask::Session, _) => self.take_file(&path, None, ui.ctx()),
+                (Ask::Picture | Ask::Drawing | Ask::Motion, _) => self.take_file(&path, Some(&ask), ui.ctx()),
+                (Ask::SaveAs { .. }, Screen::Character(door)) => door.shop.save_as(&path, &mut self.around),
+                (Ask::SaveAs { .. }, Screen::Drawing(door)) => door.shop.save_as(&path, &mut self.around),
+                (Ask::ExportFile { .. }, Screen::Character(door)) => door.shop.set_export_path(&path),
+                (Ask::ExportFile { .. }, Screen::Drawing(door)) => door.shop.set_export_path(&path),
+                (Ask::ExportFolder { .. }, Screen::Character(door)) => {
+                    door.shop.set_export_folder(&path, &mut self.around);
+                }
+                (Ask::ExportFolder { .. }, Screen::Drawing(door)) => {
+                    door.shop.set_export_folder(&path, &mut self.around);
+                }
                 (Ask::SaveAs { .. }, Screen::Creature(_)) => self.with_door(|door, around| door.save_as(&path, around)),
                 (Ask::ExportFile { .. }, Screen::Creature(door)) => door.set_export_path(&path),
                 (Ask::ExportFolder { .. }, Screen::Creature(_)) => self.with_door(|door, around| {
                     around.preferences.export.folder = Some(path.clone());
-                    let name = crate::export::path_for(&around.preferences.export, &path, &door.document.title);
+                    let name = crate::export::path_for(
+                        &around.preferences.export,
+                        door.document.door(),
+                        &path,
+                        &door.document.title,
+                    );
                     door.set_export_path(&name);
                 }),
                 _ => {}
@@ -159,14 +212,24 @@ impl Studio {
                     }
                     self.around.preferences.remember(&path, &document.title);
                 }
-                self.screen = Screen::Creature(Box::new(CreatureDoor::new(ui.ctx(), document, &mut self.around)));
+                let (gui, around) = (ui.ctx(), &mut self.around);
+                self.screen = match document.door() {
+                    Door::Creature => Screen::Creature(Box::new(CreatureDoor::new(gui, document, around))),
+                    Door::Character => Screen::Character(Box::new(CharacterDoor::new(gui, document, around))),
+                    Door::Drawing => Screen::Drawing(Box::new(DrawingDoor::new(gui, document, around))),
+                };
             }
         }
     }
 
-    fn take_file(&mut self, path: &Path, gui: &egui::Context) {
-        let mut taken = false;
-        self.with_door(|door, around| taken = door.take_file(path, around));
+    fn take_file(&mut self, path: &Path, asked: Option<&Ask>, gui: &egui::Context) {
+        let around = &mut self.around;
+        let taken = match &mut self.screen {
+            Screen::Creature(door) => door.take_file(path, around),
+            Screen::Character(door) => door.take_file(gui, path, asked, around),
+            Screen::Drawing(door) => door.take_file(path, around),
+            Screen::Start(_) | Screen::Opening(_) => false,
+        };
         if !taken {
             self.open_source(Source::of_path(path), gui);
         }
@@ -184,14 +247,19 @@ impl Studio {
     }
 
     fn leave(&mut self) {
-        if let Screen::Creature(door) = std::mem::replace(&mut self.screen, Screen::Start(None)) {
-            door.leave(&mut self.around);
+        match std::mem::replace(&mut self.screen, Screen::Start(None)) {
+            Screen::Creature(door) => door.leave(&mut self.around),
+            Screen::Character(door) => door.shop.leave(&mut self.around),
+            Screen::Drawing(door) => door.shop.leave(&mut self.around),
+            Screen::Start(_) | Screen::Opening(_) => {}
         }
     }
 
     fn begin(&mut self, asked: start::Asked, gui: &egui::Context) {
         match asked {
             start::Asked::PickClip => self.around.picker.ask(gui, Ask::Clip),
+            start::Asked::PickPicture => self.around.picker.ask(gui, Ask::Picture),
+            start::Asked::PickDrawingClip => self.around.picker.ask(gui, Ask::DrawingClip),
             start::Asked::PickSession => self.around.picker.ask(gui, Ask::Session),
             start::Asked::Open(source) => self.open_source(source, gui),
             start::Asked::Discard(path) => {
@@ -218,7 +286,12 @@ impl Studio {
                 theme::set_light(gui, light);
             }
             Command::Start => self.leave(),
-            _ => self.with_door(|door, around| door.command(command, gui, around)),
+            _ => match &mut self.screen {
+                Screen::Creature(door) => door.command(command, gui, &mut self.around),
+                Screen::Character(door) => door.command(command, gui, &mut self.around),
+                Screen::Drawing(door) => door.command(command, gui, &mut self.around),
+                Screen::Start(_) | Screen::Opening(_) => {}
+            },
         }
     }
 
@@ -236,11 +309,10 @@ impl Studio {
                         }
                     });
                 };
-                if let Screen::Creature(door) = &self.screen {
-                    let document = &door.document;
+                if let Some(document) = self.screen.document() {
                     button(ui, true, Icon::Home, texts::TO_START, Command::Start);
                     ui.label(RichText::new(&document.title).size(16.0).strong());
-                    saved(ui, door);
+                    saved(ui, document);
                     ui.add_space(12.0);
                     let undo = texts::with_what(texts::UNDO, document.undo());
                     button(ui, document.undo().is_some(), Icon::Undo, &undo, Command::Undo);
@@ -256,7 +328,7 @@ impl Studio {
                     button(ui, Icon::Help, texts::SHORTCUTS, Command::Help);
                     button(ui, Icon::Sun, texts::LIGHT, Command::Light);
                     ui.add_space(8.0);
-                    self.with_door(|door, around| door.show_steps(ui, around));
+                    self.screen.show_steps(ui, &mut self.around);
                 });
             });
         });
@@ -267,69 +339,137 @@ impl Studio {
 }
 
 /// What is open in a [`Studio`].
-pub struct Open<'a>(&'a CreatureDoor);
+pub struct Open<'a>(&'a Screen, &'a Document);
 
 impl Open<'_> {
-    /// The limbs' labels.
-    pub fn limbs(&self) -> Vec<String> {
-        self.0.document.limbs.iter().map(|l| l.label.clone()).collect()
+    fn creature(&self) -> Option<&CreatureDoor> {
+        if let Screen::Creature(door) = self.0 { Some(door) } else { None }
     }
 
-    /// The frames that are drawn on.
+    /// The limbs' labels.
+    pub fn limbs(&self) -> Vec<String> {
+        self.1.limbs.iter().map(|l| l.label.clone()).collect()
+    }
+
+    /// The frames that are drawn or marked on.
     pub fn key_frames(&self) -> &[u64] {
-        &self.0.document.keys
+        &self.1.keys
     }
 
     /// A limb's stroke on a frame, in clip pixels.
     pub fn stroke(&self, limb: usize, frame: u64) -> Option<&[(f32, f32)]> {
-        self.0.document.stroke(limb, frame).map(|s| &s.points[..])
+        self.1.stroke(limb, frame).map(|s| &s.points[..])
+    }
+
+    /// The marked points, each with the frames and places of its marks.
+    pub fn marks(&self) -> Vec<Vec<(u64, (f32, f32))>> {
+        self.1.marks.points.iter().map(|p| p.keys.iter().map(|k| (k.frame, k.at)).collect()).collect()
+    }
+
+    /// Where marked points hold the drawing: their numbers from 0, and places in its pixels.
+    pub fn handles(&self) -> Vec<(usize, (f32, f32))> {
+        if let Screen::Drawing(door) = self.0 { door.handles() } else { Vec::new() }
+    }
+
+    /// Where the marked points are in the frame that is shown: marked there, or followed to it.
+    pub fn points(&self) -> Vec<(f32, f32)> {
+        if let Screen::Drawing(door) = self.0 { door.points() } else { Vec::new() }
+    }
+
+    /// The character's joints.
+    pub fn joints(&self) -> Vec<(String, (f32, f32))> {
+        if let Screen::Character(door) = self.0 { door.joints() } else { Vec::new() }
     }
 
     /// The frame that is shown.
     pub fn frame(&self) -> u64 {
-        self.0.playback.frame()
+        match self.0 {
+            Screen::Creature(door) => door.playback.frame(),
+            Screen::Character(door) => door.shop.playback.frame(),
+            Screen::Drawing(door) => door.shop.playback.frame(),
+            Screen::Start(_) | Screen::Opening(_) => 0,
+        }
     }
 
     /// Whether it plays.
     pub fn playing(&self) -> bool {
-        self.0.playback.playing()
+        match self.0 {
+            Screen::Creature(door) => door.playback.playing(),
+            Screen::Character(door) => door.shop.playback.playing(),
+            Screen::Drawing(door) => door.shop.playback.playing(),
+            Screen::Start(_) | Screen::Opening(_) => false,
+        }
     }
 
-    /// The limb that is drawn next; none for a new one.
+    /// The limb that is drawn next, or the point or joint that is selected; none for a new one.
     pub fn selected(&self) -> Option<usize> {
-        self.0.selected
+        match self.0 {
+            Screen::Creature(door) => door.selected,
+            Screen::Character(door) => door.selected,
+            Screen::Drawing(door) => door.selected,
+            Screen::Start(_) | Screen::Opening(_) => None,
+        }
     }
 
     /// Whether a job runs.
     pub fn is_busy(&self) -> bool {
-        self.0.is_busy()
+        match self.0 {
+            Screen::Creature(door) => door.is_busy(),
+            Screen::Character(door) => door.is_busy(),
+            Screen::Drawing(door) => door.shop.running.is_some(),
+            Screen::Start(_) | Screen::Opening(_) => false,
+        }
     }
 
     /// Whether there is a creature.
     pub fn has_creature(&self) -> bool {
-        self.0.has_creature()
+        self.creature().is_some_and(CreatureDoor::has_creature)
+    }
+
+    /// Whether a character or a drawing moves.
+    pub fn moves(&self) -> bool {
+        match self.0 {
+            Screen::Character(door) => door.shop.moving.is_some(),
+            Screen::Drawing(door) => door.shop.moving.is_some(),
+            _ => false,
+        }
     }
 
     /// Whether limbs are to be tracked, for the first time or again.
     pub fn is_motion_outdated(&self) -> bool {
-        self.0.document.state.motion_outdated
+        self.1.state.motion_outdated
     }
 
-    /// Where a place of the clip is on the screen.
+    /// Where a place of the clip, or of a character's picture, is on the screen.
     pub fn on_screen(&self, at: (f32, f32)) -> egui::Pos2 {
-        self.0.on_screen(at)
+        match self.0 {
+            Screen::Creature(door) => door.on_screen(at),
+            Screen::Character(door) => door.on_screen(at),
+            Screen::Drawing(door) => door.on_screen(at),
+            Screen::Start(_) | Screen::Opening(_) => egui::Pos2::ZERO,
+        }
     }
 
-    /// How many pictures the 3D view has shown.
+    /// Where a place of the drawing is on the screen.
+    pub fn on_sheet(&self, at: (f32, f32)) -> egui::Pos2 {
+        if let Screen::Drawing(door) = self.0 { door.on_sheet(at) } else { egui::Pos2::ZERO }
+    }
+
+    /// How many pictures of what was made were shown.
     pub fn pictures(&self) -> u64 {
-        self.0.pictures()
+        match self.0 {
+            Screen::Creature(door) => door.pictures(),
+            Screen::Character(door) => door.shop.pictures.count,
+            Screen::Drawing(door) => door.shop.pictures.count,
+            Screen::Start(_) | Screen::Opening(_) => 0,
+        }
     }
 }
 
 /// Whether all of it is in a file of the user's, in a word.
-fn saved(ui: &mut Ui, door: &CreatureDoor) {
+fn saved(ui: &mut Ui, document: &Document) {
     let palette = Palette::of(ui);
-    let state = &door.document.state;
+    let state = &document.state;
     let (text, color) = match (state.untitled, state.modified) {
         (true, _) => (texts::NOT_SAVED, palette.weak),
         (false, true) => (texts::MODIFIED, palette.weak),

@@ -309,7 +309,7 @@ fn message(painter: &Painter, panel: Rect, text: &str, color: Color32) {
 }
 
 /// What to do, at the lower edge of the picture.
-fn hint(painter: &Painter, panel: Rect, text: &str) {
+pub(crate) fn hint(painter: &Painter, panel: Rect, text: &str) {
     let font = eframe::egui::FontId::proportional(15.0);
     let galley = painter.layout(text.to_owned(), font, Color32::WHITE, (panel.width() - 80.0).clamp(120.0, 620.0));
     let size = galley.size() + vec2(28.0, 18.0);

@@ -11,8 +11,8 @@ use marey_binding::{Creature, Masks};
 
 use crate::around::Around;
 use crate::canvas::{self, Canvas, Shown};
-use crate::document::Document;
-use crate::export::{self, ExportDialog, Exported};
+use crate::document::{Document, Door};
+use crate::export::{self, ExportDialog, Exported, ShownCreature};
 use crate::frames::Frames;
 use crate::limbs_panel::{self, LimbsPanel};
 use crate::picker::Ask;
@@ -237,6 +237,7 @@ impl CreatureDoor {
                 Purpose::Creature => texts::MAKING,
                 Purpose::Track => texts::TRACKING,
                 Purpose::Export { .. } => texts::EXPORTING,
+                Purpose::Step(step) => texts::step(*step),
             };
             ui.label(RichText::new(what).strong());
             let line = running.text(frames);
@@ -284,6 +285,7 @@ impl CreatureDoor {
                     around.notices.check(self.document.take(&running.job));
                 }
                 Purpose::Export { path, .. } => around.notices.done(texts::exported(&path)),
+                Purpose::Step(_) => {}
             },
         }
         self.follow();
@@ -409,12 +411,12 @@ impl CreatureDoor {
                     around.notices.failed(texts::MAKE_FIRST);
                 } else if self.export.is_none() {
                     let (settings, home) = (&around.preferences.export, &around.places.home);
-                    self.export = Some(ExportDialog::new(settings, home, &self.document.title));
+                    self.export = Some(ExportDialog::new(settings, Door::Creature, home, &self.document.title));
                 }
             }
             Command::ExportAgain => {
                 let (settings, home) = (&around.preferences.export, &around.places.home);
-                let path = export::path_for(settings, home, &self.document.title);
+                let path = export::path_for(settings, Door::Creature, home, &self.document.title);
                 self.start_export(&path, around);
             }
             Command::Save => match self.document.named_path() {
@@ -470,13 +472,13 @@ impl CreatureDoor {
     fn exported(&self) -> Option<Exported<'_>> {
         let (made, (_, clip)) = (self.made.as_ref()?, self.document.clip.as_ref()?);
         let bounds = self.document.tracked.as_ref()?.bounds;
-        Some(Exported {
+        Some(Exported::Creature(ShownCreature {
             creature: &made.creature,
             clip,
             frame: self.playback.frame(),
             style: self.view3d.style,
             camera: self.view3d.camera(bounds, clip.height as f32),
-        })
+        }))
     }
 
     fn show_export(&mut self, ui: &Ui, around: &mut Around) {

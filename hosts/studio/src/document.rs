@@ -8,10 +8,60 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use marey_binding::{
-    Clip, ClipInfo, Context, Correction, Facing, Job, Motion, Result, Session, SessionState, Side, Stroke, TrackFrame,
+    Clip, ClipInfo, Context, Correction, Facing, Job, Motion, Part, Result, Session, SessionState, Side, Stroke,
+    TrackFrame,
 };
 
+use serde::{Deserialize, Serialize};
+
+use crate::marks::Marks;
 use crate::texts;
+
+/// What is made of a session.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum Door {
+    #[default]
+    Creature,
+    Character,
+    Drawing,
+}
+
+/// The session's notes: which door it is behind, and how a motion is carried over to a character.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+struct Notes {
+    door: Door,
+    character: CharacterNotes,
+}
+
+impl Default for Notes {
+    fn default() -> Self {
+        Self { door: Door::Creature, character: CharacterNotes::default() }
+    }
+}
+
+/// How a motion is carried over to a character.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub(crate) struct CharacterNotes {
+    /// Bones change their length up to this factor.
+    pub(crate) stretch: f32,
+    /// It stays where it is.
+    pub(crate) on_spot: bool,
+    /// Bones point where the motion's do, rather than turn as they do.
+    pub(crate) absolute: bool,
+}
+
+impl Default for CharacterNotes {
+    fn default() -> Self {
+        // A figure of other proportions tears at more, and looks stiff at none.
+        Self { stretch: 1.2, on_spot: true, absolute: false }
+    }
+}
+
+/// Parts with their bytes, or none to take one away.
+pub(crate) type Parts<'a> = &'a [(Part, Option<&'a [u8]>)];
 
 /// A limb as the session names it.
 #[derive(Clone, Debug, PartialEq)]
@@ -43,6 +93,10 @@ pub(crate) struct Document {
     pub(crate) keys: Vec<u64>,
     strokes: HashMap<(usize, u64), Stroke>,
     pub(crate) tracked: Option<Tracked>,
+    /// The points that are marked in the clip.
+    pub(crate) marks: Marks,
+    /// The other parts, as far as there are.
+    parts: HashMap<Part, Arc<Vec<u8>>>,
     pub(crate) state: SessionState,
     pub(crate) undo: Option<String>,
     pub(crate) redo: Option<String>,
@@ -70,6 +124,36 @@ impl Document {
         }
     }
 
+    /// A new session without a name for another door, with a clip and parts.
+    pub(crate) fn of_parts(
+        context: &Context,
+        unsaved: &Path,
+        door: Door,
+        title: &str,
+        clip: Option<&str>,
+        parts: Parts<'_>,
+    ) -> Result<Self> {
+        let clip = clip.map(|path| context.open_clip(path)).transpose()?;
+        let notes = serde_json::to_vec(&Notes { door, ..Notes::default() }).unwrap_or_default();
+        let session = context.new_untitled_session(&unsaved.to_string_lossy())?;
+        let set_up = || {
+            session.begin_gesture(texts::EDIT_OPEN)?;
+            if clip.is_some() {
+                session.set_clip(clip.as_ref())?;
+            }
+            session.set_part(Part::Notes, Some(&notes))?;
+            parts.iter().try_for_each(|(part, bytes)| session.set_part(*part, *bytes))?;
+            session.end_gesture()
+        };
+        match set_up() {
+            Ok(()) => Self::of(session, title),
+            Err(e) => {
+                session.discard()?;
+                Err(e)
+            }
+        }
+    }
+
     /// A session as it is.
     pub(crate) fn of(session: Session, title: &str) -> Result<Self> {
         let state = session.state()?;
@@ -81,6 +165,8 @@ impl Document {
             keys: Vec::new(),
             strokes: HashMap::new(),
             tracked: None,
+            marks: Marks::new((1, 1)),
+            parts: HashMap::new(),
             state,
             undo: None,
             redo: None,
@@ -212,6 +298,65 @@ impl Document {
         })
     }
 
+    /// What is made of it.
+    pub(crate) fn door(&self) -> Door {
+        self.notes().door
+    }
+
+    fn notes(&self) -> Notes {
+        self.part(Part::Notes).and_then(|notes| serde_json::from_slice(notes).ok()).unwrap_or_default()
+    }
+
+    /// How a motion is carried over.
+    pub(crate) fn character_notes(&self) -> CharacterNotes {
+        self.notes().character
+    }
+
+    pub(crate) fn set_character_notes(&mut self, label: &str, character: &CharacterNotes) -> Result<()> {
+        let notes = Notes { character: character.clone(), ..self.notes() };
+        let json = serde_json::to_vec(&notes).unwrap_or_default();
+        self.set_parts(label, &[(Part::Notes, Some(&json))])
+    }
+
+    /// The bytes of a part.
+    pub(crate) fn part(&self, part: Part) -> Option<&Arc<Vec<u8>>> {
+        self.parts.get(&part)
+    }
+
+    /// The text of a part.
+    pub(crate) fn text(&self, part: Part) -> Option<&str> {
+        std::str::from_utf8(self.part(part)?).ok()
+    }
+
+    /// Sets parts, one step of undo.
+    pub(crate) fn set_parts(&mut self, label: &str, parts: Parts<'_>) -> Result<()> {
+        self.edit(label, |session| parts.iter().try_for_each(|(part, bytes)| session.set_part(*part, *bytes)))
+    }
+
+    /// Marks points otherwise, one step of undo.
+    pub(crate) fn set_marks(&mut self, label: &str, change: impl FnOnce(&mut Marks)) -> Result<()> {
+        let mut marks = self.marks.clone();
+        change(&mut marks);
+        let bytes = marks.bytes();
+        self.set_parts(label, &[(Part::Points, bytes.as_deref())])
+    }
+
+    /// Takes in where the marked points go; with what is worth correcting, by name and frame.
+    pub(crate) fn take_points(&mut self, motion: Option<&Motion>, next: &[(String, u64, f32)]) -> Result<()> {
+        self.tracked = None;
+        let Some(motion) = motion else { return Ok(()) };
+        let point = |p: &crate::marks::Mark| Limb { label: p.name.clone(), side: Side::Unknown, length: 0.0 };
+        let points: Vec<Limb> = self.marks.points.iter().map(point).collect();
+        let mut tracked = tracked(motion, &points)?;
+        let index = |name: &str| points.iter().position(|p| p.label == name);
+        let correction = |(name, frame, confidence): &(String, u64, f32)| {
+            Some(Correction { track: index(name)? as u32, frame: *frame, confidence: *confidence })
+        };
+        tracked.corrections = next.iter().filter_map(correction).collect();
+        self.tracked = Some(tracked);
+        Ok(())
+    }
+
     pub(crate) fn start_creature(&self) -> Result<Job> {
         self.session.start_creature("")
     }
@@ -251,11 +396,18 @@ impl Document {
                 _ => None,
             };
         }
+        self.refresh_parts()?;
+        let session = &self.session;
         let rig = session.rig()?;
         self.limbs.clear();
         for (index, limb) in rig.limbs()?.into_iter().enumerate() {
             let length = rig.length_hint(index as u32)?;
             self.limbs.push(Limb { label: limb.label, side: limb.side, length });
+        }
+        if self.door() != Door::Creature {
+            // What is tracked there is the door's to say.
+            self.keys = self.marks.frames();
+            return Ok(());
         }
         self.keys = rig.key_frames()?;
         self.strokes.clear();
@@ -277,6 +429,33 @@ impl Document {
                 tracked.corrections = motion.corrections(Some(&rig)).unwrap_or_default();
             }
         }
+        Ok(())
+    }
+
+    /// Reads the parts anew.
+    fn refresh_parts(&mut self) -> Result<()> {
+        const ALL: [Part; 9] = [
+            Part::Points,
+            Part::Joints,
+            Part::Drawing,
+            Part::Binding,
+            Part::Picture,
+            Part::Skeleton,
+            Part::Motion,
+            Part::Map,
+            Part::Notes,
+        ];
+        for part in ALL {
+            match self.session.part(part)? {
+                None => drop(self.parts.remove(&part)),
+                // What is as it was stays the same to whoever holds it.
+                Some(bytes) if self.parts.get(&part).is_some_and(|held| **held == bytes) => {}
+                Some(bytes) => drop(self.parts.insert(part, Arc::new(bytes))),
+            }
+        }
+        let size = self.clip.as_ref().map_or((1, 1), |(_, info)| (info.width, info.height));
+        let read = self.part(Part::Points).and_then(|bytes| Marks::parse(bytes));
+        self.marks = read.unwrap_or_else(|| Marks::new(size));
         Ok(())
     }
 

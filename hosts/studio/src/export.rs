@@ -8,11 +8,14 @@ use eframe::egui::{
     ScrollArea, Sense, TextEdit, TextureHandle, TextureOptions, pos2, vec2,
 };
 use marey_binding::{
-    Camera, ClipInfo, Context, Creature, CreatureFile, Error, Job, RenderFileOptions, RenderOptions, Style,
+    Camera, ClipInfo, Context, Creature, CreatureFile, Error, Job, RenderFileOptions, RenderOptions, SketchFileOptions,
+    Style, TakeFileOptions,
 };
 use serde::{Deserialize, Serialize};
 
 use crate::background::Background;
+use crate::document::Door;
+use crate::moving::Moving;
 use crate::running::Purpose;
 use crate::theme::{self, Palette};
 use crate::{texts, view3d, widgets};
@@ -23,6 +26,8 @@ const PREVIEW: (u32, u32) = (300, 225);
 const FORMATS: f32 = 340.0;
 /// What can be chosen for the height of pictures; 0 for the clip's.
 const HEIGHTS: [u32; 5] = [0, 360, 480, 720, 1080];
+/// What can be chosen for the size of pictures of a drawing, in percent of it; 0 for its own.
+const PERCENTS: [u32; 4] = [50, 0, 200, 400];
 
 /// What is written.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -37,11 +42,22 @@ pub(crate) enum Format {
     Mp4,
     Pictures,
     Sheet,
+    Svg,
+    Lottie,
+    Spine,
+    DragonBones,
 }
 
 impl Format {
-    const ALL: [Self; 8] =
-        [Self::Glb, Self::Folder, Self::Gif, Self::Apng, Self::Webp, Self::Mp4, Self::Pictures, Self::Sheet];
+    /// What there is for what is made behind a door.
+    fn all(door: Door) -> &'static [Self] {
+        use Format::{Apng, DragonBones, Folder, Gif, Glb, Lottie, Mp4, Pictures, Sheet, Spine, Svg, Webp};
+        match door {
+            Door::Creature => &[Glb, Folder, Gif, Apng, Webp, Mp4, Pictures, Sheet],
+            Door::Character => &[Gif, Apng, Webp, Mp4, Lottie, Glb, Spine, DragonBones, Pictures, Sheet],
+            Door::Drawing => &[Svg, Lottie, Gif, Apng, Webp, Mp4, Pictures, Sheet],
+        }
+    }
 
     fn name_and_use(self) -> (&'static str, &'static str) {
         match self {
@@ -53,13 +69,17 @@ impl Format {
             Self::Mp4 => (texts::MP4, texts::MP4_USE),
             Self::Pictures => (texts::PICTURES, texts::PICTURES_USE),
             Self::Sheet => (texts::SHEET, texts::SHEET_USE),
+            Self::Svg => (texts::SVG, texts::SVG_USE),
+            Self::Lottie => (texts::LOTTIE, texts::LOTTIE_USE),
+            Self::Spine => (texts::SPINE, texts::SPINE_USE),
+            Self::DragonBones => (texts::DRAGONBONES, texts::DRAGONBONES_USE),
         }
     }
 
     /// As the library calls it; none for what is no picture.
     fn animation(self) -> Option<&'static str> {
         match self {
-            Self::Glb | Self::Folder => None,
+            Self::Glb | Self::Folder | Self::Svg | Self::Lottie | Self::Spine | Self::DragonBones => None,
             Self::Gif => Some("gif"),
             Self::Apng => Some("apng"),
             Self::Webp => Some("webp"),
@@ -69,10 +89,24 @@ impl Format {
         }
     }
 
+    /// As the library calls it for what moves.
+    fn moving(self) -> &'static str {
+        match self {
+            Self::Glb => "glb",
+            Self::Svg => "svg",
+            Self::Lottie => "lottie",
+            Self::Spine => "spine",
+            Self::DragonBones => "dragonbones",
+            other => other.animation().unwrap_or_default(),
+        }
+    }
+
     fn ending(self) -> &'static str {
         match self {
             Self::Glb => "glb",
-            Self::Folder | Self::Pictures => "",
+            Self::Folder | Self::Pictures | Self::Spine | Self::DragonBones => "",
+            Self::Svg => "svg",
+            Self::Lottie => "json",
             Self::Gif => "gif",
             Self::Apng | Self::Sheet => "png",
             Self::Webp => "webp",
@@ -99,10 +133,15 @@ pub(crate) enum From {
 }
 
 /// What is remembered of the last export.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub(crate) struct ExportSettings {
+    /// Of a creature.
     pub(crate) format: Format,
+    pub(crate) character: Format,
+    pub(crate) drawing: Format,
+    /// Of pictures of what was drawn, in percent of it; 0 for its own.
+    pub(crate) percent: u32,
     /// Where the last one went.
     pub(crate) folder: Option<PathBuf>,
     /// Of pictures; 0 for the clip's.
@@ -112,8 +151,30 @@ pub(crate) struct ExportSettings {
     pub(crate) from: From,
 }
 
-/// What is exported, and how the studio shows it.
-pub(crate) struct Exported<'a> {
+impl Default for ExportSettings {
+    fn default() -> Self {
+        Self {
+            format: Format::Glb,
+            character: Format::Gif,
+            drawing: Format::Svg,
+            percent: 0,
+            folder: None,
+            height: 0,
+            background: None,
+            from: From::Filmed,
+        }
+    }
+}
+
+/// What is exported.
+pub(crate) enum Exported<'a> {
+    Creature(ShownCreature<'a>),
+    /// What moves, and the frame that is shown.
+    Moving(&'a Moving, u64),
+}
+
+/// A creature, and how the studio shows it.
+pub(crate) struct ShownCreature<'a> {
     pub(crate) creature: &'a Arc<Creature>,
     pub(crate) clip: &'a ClipInfo,
     pub(crate) frame: u64,
@@ -122,7 +183,44 @@ pub(crate) struct Exported<'a> {
     pub(crate) camera: Camera,
 }
 
+impl Exported<'_> {
+    fn door(&self) -> Door {
+        match self {
+            Self::Creature(_) => Door::Creature,
+            Self::Moving(Moving::Character(_), _) => Door::Character,
+            Self::Moving(Moving::Drawing(_), _) => Door::Drawing,
+        }
+    }
+}
+
 impl ExportSettings {
+    /// The format for what is made behind a door.
+    pub(crate) fn format(&self, door: Door) -> Format {
+        match door {
+            Door::Creature => self.format,
+            Door::Character => self.character,
+            Door::Drawing => self.drawing,
+        }
+    }
+
+    fn set_format(&mut self, door: Door, format: Format) {
+        match door {
+            Door::Creature => self.format = format,
+            Door::Character => self.character = format,
+            Door::Drawing => self.drawing = format,
+        }
+    }
+
+    /// Pixels a pixel of what was drawn.
+    fn scale(&self) -> f32 {
+        if self.percent == 0 { 1.0 } else { self.percent as f32 / 100.0 }
+    }
+
+    fn behind(&self) -> [u8; 4] {
+        let [r, g, b] = self.background.unwrap_or_default();
+        [r, g, b, if self.background.is_some() { 255 } else { 0 }]
+    }
+
     fn size(&self, clip: &ClipInfo) -> (u32, u32) {
         if self.height == 0 {
             return (clip.width, clip.height);
@@ -132,20 +230,13 @@ impl ExportSettings {
         (((width / 2.0).round() as u32 * 2).max(2), self.height)
     }
 
-    fn pictures(&self, exported: &Exported<'_>, size: (u32, u32)) -> RenderOptions {
-        let [r, g, b] = self.background.unwrap_or_default();
+    fn pictures(&self, exported: &ShownCreature<'_>, size: (u32, u32)) -> RenderOptions {
         let camera = match (self.from, exported.camera) {
             (From::Filmed, _) => Camera::Clip,
             (From::Around, Camera::Placed { yaw, pitch, fov, .. }) => Camera::Fitted { yaw, pitch, fov },
             (From::Shown | From::Around, camera) => camera,
         };
-        RenderOptions {
-            size,
-            style: exported.style,
-            background: [r, g, b, if self.background.is_some() { 255 } else { 0 }],
-            camera,
-            ..RenderOptions::default()
-        }
+        RenderOptions { size, style: exported.style, background: self.behind(), camera, ..RenderOptions::default() }
     }
 
     /// Starts writing; the purpose says where to.
@@ -156,6 +247,23 @@ impl ExportSettings {
         path: &Path,
     ) -> Result<(Job, Purpose), Error> {
         let at = path.to_string_lossy();
+        let exported = match exported {
+            Exported::Creature(creature) => creature,
+            Exported::Moving(moving, _) => {
+                let (format, background, scale) = (self.format(exported.door()).moving(), self.behind(), self.scale());
+                let job = match moving {
+                    Moving::Drawing(take) => {
+                        let options = SketchFileOptions { path: &at, format, name: "", crop: false, scale, background };
+                        context.start_sketch_file(take, &options)?
+                    }
+                    Moving::Character(take) => {
+                        let options = TakeFileOptions { path: &at, format, name: "", crop: false, scale, background };
+                        context.start_take_file(take, &options)?
+                    }
+                };
+                return Ok((job, Purpose::Export { path: path.to_owned(), pictures: false }));
+            }
+        };
         let Some(format) = self.format.animation() else {
             let what = if self.format == Format::Glb { CreatureFile::Glb } else { CreatureFile::Folder };
             let job = context.start_export(exported.creature, what, &at, false, 0.0)?;
@@ -170,16 +278,18 @@ impl ExportSettings {
 }
 
 /// The file that an export of `title` is written to when nothing else is said.
-pub(crate) fn path_for(settings: &ExportSettings, home: &Path, title: &str) -> PathBuf {
+pub(crate) fn path_for(settings: &ExportSettings, door: Door, home: &Path, title: &str) -> PathBuf {
+    let format = settings.format(door);
     let clean: String = title.chars().map(|c| if c.is_alphanumeric() || "-_ ".contains(c) { c } else { '-' }).collect();
-    let name = match settings.format {
+    let name = match format {
         Format::Folder => texts::folder_name(&clean),
         Format::Pictures => texts::pictures_name(&clean),
         Format::Sheet => texts::sheet_name(&clean),
+        Format::Spine | Format::DragonBones => texts::bones_name(&clean, format == Format::Spine),
         _ => clean,
     };
     let folder = settings.folder.as_deref().filter(|f| f.is_dir()).unwrap_or(home);
-    folder.join(name).with_added_ending(settings.format.ending())
+    folder.join(name).with_added_ending(format.ending())
 }
 
 trait AddedEnding {
@@ -211,18 +321,26 @@ pub(crate) enum Asked {
 /// A drawn picture of the preview.
 type Picture = Result<ColorImage, String>;
 
+/// What a preview shows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Previewed {
+    Creature(RenderOptions),
+    /// A frame of what moves, at that scale.
+    Moving(u64, f32),
+}
+
 pub(crate) struct ExportDialog {
     path: String,
     exists: bool,
-    asked: Option<RenderOptions>,
-    drawing: Option<(RenderOptions, Background<Picture>)>,
-    preview: Option<(TextureHandle, (u32, u32))>,
+    asked: Option<Previewed>,
+    drawing: Option<Background<Picture>>,
+    preview: Option<TextureHandle>,
     failed: Option<String>,
 }
 
 impl ExportDialog {
-    pub(crate) fn new(settings: &ExportSettings, home: &Path, title: &str) -> Self {
-        let path = path_for(settings, home, title).to_string_lossy().into_owned();
+    pub(crate) fn new(settings: &ExportSettings, door: Door, home: &Path, title: &str) -> Self {
+        let path = path_for(settings, door, home, title).to_string_lossy().into_owned();
         let exists = Path::new(&path).exists();
         Self { path, exists, asked: None, drawing: None, preview: None, failed: None }
     }
@@ -249,31 +367,34 @@ impl ExportDialog {
         let before = settings.clone();
         let modal = Modal::new(Id::unique("export")).frame(theme::dialog(ctx)).show(ctx, |ui| {
             ui.set_width(FORMATS + 24.0 + PREVIEW.0 as f32);
-            ui.heading(texts::EXPORT_TITLE);
+            let door = exported.door();
+            ui.heading(texts::export_title(door));
             ui.add_space(theme::GAP);
             ui.horizontal_top(|ui| {
                 ui.vertical(|ui| {
                     ui.set_width(FORMATS);
-                    formats(ui, settings);
+                    formats(ui, settings, door);
                 });
                 ui.add_space(24.0 - 2.0 * theme::GAP);
                 ui.vertical(|ui| {
                     ui.set_width(PREVIEW.0 as f32);
                     self.preview(ui, settings, exported);
                     ui.add_space(theme::GAP);
-                    if settings.format.animation().is_some() {
-                        pictures(ui, settings, exported.clip);
-                    } else {
-                        model(ui, exported.creature);
+                    let pictured = settings.format(door).animation().is_some();
+                    match exported {
+                        Exported::Creature(shown) if pictured => pictures(ui, settings, shown.clip),
+                        Exported::Creature(shown) => model(ui, shown.creature),
+                        Exported::Moving(moving, _) => drawn(ui, settings, moving, pictured, door),
                     }
                 });
             });
             ui.add_space(theme::GAP);
             ui.separator();
-            self.destination(ui, settings, &mut asked);
+            self.destination(ui, settings.format(door), &mut asked);
         });
-        if settings.format != before.format {
-            self.set_path(&path_for(settings, home, title));
+        let door = exported.door();
+        if settings.format(door) != before.format(door) {
+            self.set_path(&path_for(settings, door, home, title));
         }
         if modal.should_close() {
             asked = asked.or(Some(Asked::Close));
@@ -281,9 +402,9 @@ impl ExportDialog {
         asked
     }
 
-    fn destination(&mut self, ui: &mut eframe::egui::Ui, settings: &ExportSettings, asked: &mut Option<Asked>) {
+    fn destination(&mut self, ui: &mut eframe::egui::Ui, format: Format, asked: &mut Option<Asked>) {
         ui.horizontal(|ui| {
-            let label = ui.label(if settings.format.is_folder() { texts::TO_FOLDER } else { texts::TO_FILE });
+            let label = ui.label(if format.is_folder() { texts::TO_FOLDER } else { texts::TO_FILE });
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
                 if ui.button(texts::BROWSE).clicked() {
                     *asked = Some(Asked::Browse);
@@ -315,35 +436,46 @@ impl ExportDialog {
     /// The frame that is shown, as it will be written.
     fn preview(&mut self, ui: &mut eframe::egui::Ui, settings: &ExportSettings, exported: &Exported<'_>) {
         let palette = Palette::of(ui);
-        let (full, most) = (settings.size(exported.clip), PREVIEW);
+        let full = match exported {
+            Exported::Creature(shown) => settings.size(shown.clip),
+            Exported::Moving(moving, _) => moving.measure(1.0).map_or((1, 1), |m| m.0),
+        };
+        let most = PREVIEW;
         let share = (most.0 as f32 / full.0 as f32).min(most.1 as f32 / full.1 as f32);
         let small = |v: u32| ((v as f32 * share).round() as u32).max(1);
         let size = (small(full.0), small(full.1));
-        let options = RenderOptions { frame: exported.frame, ..settings.pictures(exported, size) };
+        let options = match exported {
+            Exported::Creature(shown) => {
+                Previewed::Creature(RenderOptions { frame: shown.frame, ..settings.pictures(shown, size) })
+            }
+            Exported::Moving(_, frame) => Previewed::Moving(*frame, share),
+        };
 
         let (rect, response) = ui.allocate_exact_size(vec2(most.0 as f32, most.1 as f32), Sense::hover());
         response
             .widget_info(|| eframe::egui::WidgetInfo::labeled(eframe::egui::Role::Image, true, texts::PREVIEW_NAME));
         ui.painter().rect_filled(rect, 6.0, palette.canvas);
         let at = Rect::from_center_size(rect.center(), vec2(size.0 as f32, size.1 as f32));
-        if options.background[3] == 0 {
-            checkers(ui, at);
+        match (settings.background, settings.format(exported.door()).animation()) {
+            (Some([r, g, b]), Some(_)) => drop(ui.painter().rect_filled(at, 0.0, Color32::from_rgb(r, g, b))),
+            _ if exported.door() == Door::Creature => checkers(ui, at),
+            // Ink is seen on paper.
+            _ => drop(ui.painter().rect_filled(at, 0.0, Color32::WHITE)),
         }
-        if let Some((texture, drawn)) = &self.preview {
-            let at = Rect::from_center_size(rect.center(), vec2(drawn.0 as f32, drawn.1 as f32));
+        if let Some(texture) = &self.preview {
             ui.painter().image(texture.id(), at, Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0)), Color32::WHITE);
         }
         if let Some(failed) = &self.failed {
             ui.label(RichText::new(failed).color(palette.bad));
         }
 
-        if let Some((drawn, background)) = &self.drawing {
+        if let Some(background) = &self.drawing {
             let answer = background.answer().unwrap_or_else(|()| Some(Err(texts::DRAWING_BROKE.into())));
             if let Some(answer) = answer {
                 match answer {
                     Ok(picture) => {
                         let texture = ui.ctx().load_texture("preview", picture, TextureOptions::LINEAR);
-                        (self.preview, self.failed) = (Some((texture, drawn.size)), None);
+                        (self.preview, self.failed) = (Some(texture), None);
                     }
                     Err(message) => self.failed = Some(message),
                 }
@@ -351,18 +483,26 @@ impl ExportDialog {
             }
         }
         if self.drawing.is_none() && self.asked != Some(options) {
-            let creature = exported.creature.clone();
-            let draw = move || view3d::picture(&creature, &options);
             self.asked = Some(options);
-            self.drawing = Some((options, Background::start(ui.ctx(), draw)));
+            self.drawing = Some(match (exported, options) {
+                (Exported::Moving(moving, _), Previewed::Moving(frame, scale)) => {
+                    let moving = (*moving).clone();
+                    Background::start(ui.ctx(), move || moving.draw(frame, scale))
+                }
+                (Exported::Creature(shown), Previewed::Creature(options)) => {
+                    let creature = shown.creature.clone();
+                    Background::start(ui.ctx(), move || view3d::picture(&creature, &options))
+                }
+                _ => return,
+            });
         }
     }
 }
 
-fn formats(ui: &mut eframe::egui::Ui, settings: &mut ExportSettings) {
+fn formats(ui: &mut eframe::egui::Ui, settings: &mut ExportSettings, door: Door) {
     ScrollArea::vertical().max_height(380.0).show(ui, |ui| {
         ui.spacing_mut().item_spacing.y = 3.0;
-        for format in Format::ALL {
+        for format in Format::all(door).iter().copied() {
             let (name, of_use) = format.name_and_use();
             let weak = Palette::of(ui).weak;
             let mut job = eframe::egui::text::LayoutJob::default();
@@ -375,10 +515,11 @@ fn formats(ui: &mut eframe::egui::Ui, settings: &mut ExportSettings) {
                 eframe::egui::FontSelection::Default,
                 align,
             );
-            let button = Button::selectable(settings.format == format, job).min_size(vec2(ui.available_width(), 0.0));
+            let button =
+                Button::selectable(settings.format(door) == format, job).min_size(vec2(ui.available_width(), 0.0));
             let button = ui.add(button.right_text(""));
             if button.accessible_name(name).clicked() {
-                settings.format = format;
+                settings.set_format(door, format);
             }
         }
     });
@@ -391,9 +532,43 @@ fn model(ui: &mut eframe::egui::Ui, creature: &Creature) {
     }
 }
 
+/// Points across of lists.
+const WIDE: f32 = 190.0;
+
+/// How what was drawn is written.
+fn drawn(ui: &mut eframe::egui::Ui, settings: &mut ExportSettings, moving: &Moving, pictured: bool, door: Door) {
+    let format = settings.format(door);
+    if pictured {
+        Grid::new("drawn").num_columns(2).spacing([12.0, 6.0]).show(ui, |ui| {
+            let label = ui.label(texts::SIZE);
+            let named = |percent: u32| {
+                let scale = ExportSettings { percent, ..settings.clone() }.scale();
+                let ((width, height), _) = moving.measure(scale).unwrap_or_default();
+                texts::drawn_size_name(width, height, percent)
+            };
+            let options = PERCENTS.map(|percent| (percent, named(percent)));
+            let list = ComboBox::from_id_salt("percent").width(WIDE).selected_text(named(settings.percent));
+            let list = list.show_ui(ui, |ui| {
+                for (percent, name) in options {
+                    ui.selectable_value(&mut settings.percent, percent, name);
+                }
+            });
+            list.response.labelled_by(label.id);
+            ui.end_row();
+
+            ui.label(texts::BEHIND);
+            ui.horizontal(|ui| background(ui, settings, format == Format::Mp4));
+            ui.end_row();
+        });
+    }
+    if let Ok((frames, fps)) = moving.frames() {
+        widgets::remark(ui, texts::animation_about(frames, fps, format == Format::Mp4, format == Format::Gif));
+    }
+}
+
 /// How pictures are.
 fn pictures(ui: &mut eframe::egui::Ui, settings: &mut ExportSettings, clip: &ClipInfo) {
-    const WIDE: f32 = 190.0;
+    let film = settings.format == Format::Mp4;
     Grid::new("pictures").num_columns(2).spacing([12.0, 6.0]).show(ui, |ui| {
         let label = ui.label(texts::FROM);
         let names =
@@ -424,15 +599,14 @@ fn pictures(ui: &mut eframe::egui::Ui, settings: &mut ExportSettings, clip: &Cli
         ui.end_row();
 
         ui.label(texts::BEHIND);
-        ui.horizontal(|ui| background(ui, settings));
+        ui.horizontal(|ui| background(ui, settings, film));
         ui.end_row();
     });
-    let (film, gif) = (settings.format == Format::Mp4, settings.format == Format::Gif);
+    let gif = settings.format == Format::Gif;
     widgets::remark(ui, texts::animation_about(clip.frames, clip.fps, film, gif));
 }
 
-fn background(ui: &mut eframe::egui::Ui, settings: &mut ExportSettings) {
-    let opaque = settings.format == Format::Mp4;
+fn background(ui: &mut eframe::egui::Ui, settings: &mut ExportSettings, opaque: bool) {
     if opaque && settings.background.is_none() {
         settings.background = Some([255; 3]);
     }
@@ -473,11 +647,14 @@ mod tests {
         let home = tempfile::tempdir().unwrap();
         let gone = Some(home.path().join("gone"));
         let settings = ExportSettings { format: Format::Gif, folder: gone, ..ExportSettings::default() };
-        assert_eq!(path_for(&settings, home.path(), "a/b: v1.2"), home.path().join("a-b- v1-2.gif"));
+        assert_eq!(path_for(&settings, Door::Creature, home.path(), "a/b: v1.2"), home.path().join("a-b- v1-2.gif"));
         let folder = ExportSettings { format: Format::Folder, ..settings.clone() };
-        assert!(path_for(&folder, home.path(), "fox").extension().is_none());
-        for format in Format::ALL {
-            let path = path_for(&ExportSettings { format, ..settings.clone() }, home.path(), "fox");
+        assert!(path_for(&folder, Door::Creature, home.path(), "fox").extension().is_none());
+        let doors = [Door::Creature, Door::Character, Door::Drawing];
+        for (door, format) in doors.into_iter().flat_map(|d| Format::all(d).iter().map(move |f| (d, *f))) {
+            let mut settings = settings.clone();
+            settings.set_format(door, format);
+            let path = path_for(&settings, door, home.path(), "fox");
             assert_eq!(path.extension().map_or("", |e| e.to_str().unwrap()), format.ending());
         }
     }

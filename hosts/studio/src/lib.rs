@@ -4,7 +4,8 @@
 //! for its window; [`run`] gives it one, and the tests drive it without.
 //!
 //! Who knows what: the [session](marey_binding::Session) is the document, and every edit goes through it (`document`).
-//! What is looked at and selected is the door's (`creature_door`), and so is what runs (`running`). Panels draw what they
+//! What is looked at and selected is the door's (`creature_door`, `character_door`, `drawing_door`; the latter two share
+//! a `workshop`), and so is what runs (`running`). Panels draw what they
 //! are given and answer with what the person asked for; the door does it. Decoding, drawing in 3D, opening and file
 //! dialogs have threads of their own, so that no frame of the window waits for any of them.
 
@@ -12,13 +13,18 @@ mod app;
 mod around;
 mod background;
 mod canvas;
+mod character_door;
 mod creature_door;
 mod document;
+mod drawing_door;
 mod export;
 mod frames;
+mod handles;
 mod help;
 mod icons;
 mod limbs_panel;
+mod marks;
+mod moving;
 mod notices;
 mod opening;
 mod overlay;
@@ -37,8 +43,9 @@ mod view;
 mod view3d;
 mod widgets;
 mod window;
+mod workshop;
 
-pub use app::Studio;
+pub use app::{Open, Studio};
 pub use places::Places;
 pub use window::run;
 

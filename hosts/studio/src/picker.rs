@@ -14,6 +14,14 @@ pub(crate) enum Ask {
     Clip,
     /// A session.
     Session,
+    /// A clip for a drawing that lives.
+    DrawingClip,
+    /// A picture for a character.
+    Picture,
+    /// A vector drawing.
+    Drawing,
+    /// A motion for a character.
+    Motion,
     /// A name for the session.
     SaveAs { folder: PathBuf, name: String },
     /// A file for the export.
@@ -24,6 +32,10 @@ pub(crate) enum Ask {
 
 /// What ends with these is offered as a clip; a folder of pictures is dropped on the window.
 const CLIPS: [&str; 9] = ["mp4", "m4v", "mov", "avi", "mkv", "webm", "gif", "png", "webp"];
+
+/// What can be a character's picture, or its motion.
+const PICTURES: [&str; 5] = ["png", "jpg", "jpeg", "webp", "gif"];
+const MOTIONS: [&str; 3] = ["json", "bvh", "marey"];
 
 #[derive(Debug, Default)]
 pub(crate) struct Picker(Option<(Ask, Background<Option<PathBuf>>)>);
@@ -54,7 +66,10 @@ fn dialog(ask: &Ask) -> Option<PathBuf> {
     let dialog = rfd::FileDialog::new();
     let start = |folder: &Path| dialog.clone().set_directory(folder);
     match ask {
-        Ask::Clip => dialog.set_title(texts::PICK_CLIP).add_filter(texts::CLIPS, &CLIPS).pick_file(),
+        Ask::Clip | Ask::DrawingClip => dialog.set_title(texts::PICK_CLIP).add_filter(texts::CLIPS, &CLIPS).pick_file(),
+        Ask::Picture => dialog.set_title(texts::PICK_PICTURE).add_filter(texts::PICTURES_OF, &PICTURES).pick_file(),
+        Ask::Drawing => dialog.set_title(texts::PICK_DRAWING).add_filter(texts::DRAWINGS, &["svg"]).pick_file(),
+        Ask::Motion => dialog.set_title(texts::PICK_MOTION).add_filter(texts::MOTIONS, &MOTIONS).pick_file(),
         Ask::Session => dialog.set_title(texts::PICK_SESSION).add_filter(texts::SESSIONS, &["marey"]).pick_file(),
         Ask::SaveAs { folder, name } => start(folder)
             .set_title(texts::SAVE_AS)

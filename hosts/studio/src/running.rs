@@ -10,6 +10,26 @@ use crate::texts;
 /// Before so much is done, nothing can be said of the rest.
 const KNOWN: (Duration, f64) = (Duration::from_millis(700), 0.03);
 
+/// What is over within so long is not worth a bar that comes and goes.
+const SHORT: Duration = Duration::from_millis(400);
+
+/// A step that the machine fills in, of a character or a drawing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Step {
+    /// Following the marked points.
+    Points,
+    /// Laying what moves on the drawing.
+    Bind,
+    /// The same again, because a person asked for it.
+    Rebind,
+    /// The drawing as it is.
+    Still,
+    /// A character of a picture.
+    Character,
+    /// What was made, in motion.
+    Move,
+}
+
 /// What a job is for.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Purpose {
@@ -17,6 +37,8 @@ pub(crate) enum Purpose {
     Creature,
     /// The session's limbs, after a correction.
     Track,
+    /// A step of another door.
+    Step(Step),
     /// A file; of pictures, or of other things.
     Export { path: PathBuf, pictures: bool },
 }
@@ -68,6 +90,11 @@ impl Running {
         let _ = self.job.cancel();
     }
 
+    /// Whether it takes so long that a person should be told.
+    pub(crate) fn is_long(&self) -> bool {
+        matches!(self.purpose, Purpose::Export { .. }) || self.began.elapsed() > SHORT
+    }
+
     pub(crate) fn fraction(&self) -> f32 {
         self.state.fraction as f32
     }
@@ -80,6 +107,7 @@ impl Running {
         let fraction = self.state.fraction;
         let done = match &self.purpose {
             Purpose::Export { pictures: false, .. } => texts::percent(fraction),
+            Purpose::Step(step) if *step != Step::Points => texts::percent(fraction),
             // Each stage goes over the clip's frames.
             _ => texts::frame_of((self.state.stage_fraction * frames as f64) as u64, frames),
         };

@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
 use eframe::egui::{
-    Align, Button, CentralPanel, Color32, CornerRadius, Frame, Label, Layout, Rect, RichText, ScrollArea, Sense,
-    Stroke, TextureHandle, TextureOptions, Ui, Vec2, WidgetInfo, pos2, vec2,
+    Align, Button, CentralPanel, Color32, ColorImage, CornerRadius, Frame, Label, Layout, Rect, RichText, ScrollArea,
+    Sense, Stroke, TextureHandle, TextureOptions, Ui, Vec2, WidgetInfo, pos2, vec2,
 };
 use marey_binding::Context;
 
@@ -24,6 +24,10 @@ const WIDE: f32 = 980.0;
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Asked {
     PickClip,
+    /// A picture for a character.
+    PickPicture,
+    /// A clip for a drawing that lives.
+    PickDrawingClip,
     PickSession,
     Open(Source),
     /// Drop a session that was never saved.
@@ -43,8 +47,9 @@ struct Unsaved {
 pub(crate) struct Start {
     unsaved: Vec<Unsaved>,
     recent: Vec<Recent>,
-    sample: Option<TextureHandle>,
-    reading: Option<Background<Option<eframe::egui::ColorImage>>>,
+    /// A picture of each sample.
+    samples: [Option<TextureHandle>; 3],
+    reading: Option<Background<[Option<ColorImage>; 3]>>,
     /// The session that is about to be dropped, when it was asked once.
     sure: Option<PathBuf>,
 }
@@ -60,11 +65,11 @@ impl Start {
         });
         let named = recent.iter().filter(|r| !r.path.starts_with(&places.unsaved) && r.path.exists());
         let (context, samples) = (context.clone(), places.samples.clone());
-        let reading = Background::start(ui, move || picture(&context, &samples));
+        let reading = Background::start(ui, move || pictures(&context, &samples));
         Self {
             unsaved: unsaved.collect(),
             recent: named.cloned().collect(),
-            sample: None,
+            samples: [None, None, None],
             reading: Some(reading),
             sure: None,
         }
@@ -74,9 +79,9 @@ impl Start {
         if let Some(reading) = &self.reading {
             match reading.answer() {
                 Ok(None) => {}
-                Ok(Some(picture)) => {
-                    let load = |picture| ui.ctx().load_texture("fox", picture, TextureOptions::LINEAR);
-                    (self.sample, self.reading) = (picture.map(load), None);
+                Ok(Some(pictures)) => {
+                    let load = |picture| ui.ctx().load_texture("sample", picture, TextureOptions::LINEAR);
+                    (self.samples, self.reading) = (pictures.map(|picture| picture.map(load)), None);
                 }
                 Err(()) => self.reading = None,
             }
@@ -110,8 +115,10 @@ impl Start {
         ui.columns(2, |columns| {
             let ui = &mut columns[0];
             head(ui, texts::SAMPLES, None);
-            if sample_card(ui, self.sample.as_ref()) {
-                asked = Some(Asked::Open(Source::Fox));
+            for (sample, picture) in SAMPLES.iter().zip(&self.samples) {
+                if sample_card(ui, sample, picture.as_ref()) {
+                    asked = Some(Asked::Open(sample.source.clone()));
+                }
             }
             let ui = &mut columns[1];
             if !self.unsaved.is_empty() {
@@ -184,70 +191,65 @@ fn title(ui: &mut Ui) {
 fn doors(ui: &mut Ui) -> Option<Asked> {
     let mut asked = None;
     ui.columns(3, |columns| {
-        if door(&mut columns[0], Icon::Clip, texts::DOOR_CREATURE, texts::DOOR_CREATURE_TEXT, Ok(texts::CHOOSE_CLIP)) {
-            asked = Some(Asked::PickClip);
+        let doors = [
+            (Icon::Clip, texts::DOOR_CREATURE, texts::DOOR_CREATURE_TEXT, texts::CHOOSE_CLIP, Asked::PickClip),
+            (
+                Icon::Figure,
+                texts::DOOR_CHARACTER,
+                texts::DOOR_CHARACTER_TEXT,
+                texts::CHOOSE_PICTURE,
+                Asked::PickPicture,
+            ),
+            (
+                Icon::Pencil,
+                texts::DOOR_DRAWING,
+                texts::DOOR_DRAWING_TEXT,
+                texts::CHOOSE_DRAWING_CLIP,
+                Asked::PickDrawingClip,
+            ),
+        ];
+        for (column, (icon, title, text, button, ask)) in columns.iter_mut().zip(doors) {
+            if door(column, icon, title, text, button) {
+                asked = Some(ask);
+            }
         }
-        door(
-            &mut columns[1],
-            Icon::Figure,
-            texts::DOOR_CHARACTER,
-            texts::DOOR_CHARACTER_TEXT,
-            Err(texts::DOOR_CHARACTER_WHERE),
-        );
-        door(
-            &mut columns[2],
-            Icon::Pencil,
-            texts::DOOR_DRAWING,
-            texts::DOOR_DRAWING_TEXT,
-            Err(texts::DOOR_DRAWING_WHERE),
-        );
     });
     asked
 }
 
-/// `way` is what its button says, or else where else to go.
-fn door(ui: &mut Ui, icon: Icon, title: &str, text: &str, way: Result<&str, &str>) -> bool {
+fn door(ui: &mut Ui, icon: Icon, title: &str, text: &str, button: &str) -> bool {
     let palette = Palette::of(ui);
-    let (outline, fill) = match way {
-        Ok(_) => (palette.accent, palette.raised),
-        Err(_) => (palette.outline, palette.panel),
-    };
-    let card = Frame::new().fill(fill).stroke(Stroke::new(1.0, outline)).corner_radius(10).inner_margin(18);
+    let outline = Stroke::new(1.0, palette.accent);
+    let card = Frame::new().fill(palette.raised).stroke(outline).corner_radius(10).inner_margin(18);
     let card = card.show(ui, |ui| {
         ui.set_width(ui.available_width());
         ui.set_min_height(190.0);
         // Columns press what is in them to their width.
-        ui.with_layout(Layout::top_down(Align::Min), |ui| card_of(ui, icon, title, text, way)).inner
+        ui.with_layout(Layout::top_down(Align::Min), |ui| card_of(ui, icon, title, text, button)).inner
     });
     card.inner
 }
 
-fn card_of(ui: &mut Ui, icon: Icon, title: &str, text: &str, way: Result<&str, &str>) -> bool {
+fn card_of(ui: &mut Ui, icon: Icon, title: &str, text: &str, button: &str) -> bool {
     let palette = Palette::of(ui);
-    let ink = if way.is_ok() { palette.text } else { palette.weak };
-    icon.show(ui, 34.0, if way.is_ok() { palette.accent } else { palette.weak });
+    icon.show(ui, 34.0, palette.accent);
     ui.add_space(4.0);
-    ui.label(RichText::new(title).size(18.0).color(ink).strong());
+    ui.label(RichText::new(title).size(18.0).color(palette.text).strong());
     ui.add(Label::new(RichText::new(text).color(palette.weak)).wrap());
-    ui.add_space(6.0);
-    match way {
-        Ok(button) => {
-            let clicked = widgets::primary_button(ui, button).clicked();
-            ui.label(RichText::new(texts::OR_DROP).size(12.0).color(palette.weak));
-            clicked
-        }
-        Err(elsewhere) => {
-            ui.add(Label::new(RichText::new(elsewhere).size(12.0).color(palette.weak)).wrap());
-            false
-        }
+    // Buttons of all doors in one line.
+    ui.add_space((132.0 - ui.min_rect().height()).max(6.0));
+    let clicked = widgets::primary_button(ui, button).clicked();
+    if title == texts::DOOR_CREATURE {
+        ui.label(RichText::new(texts::OR_DROP).size(12.0).color(palette.weak));
     }
+    clicked
 }
 
-fn sample_card(ui: &mut Ui, picture: Option<&TextureHandle>) -> bool {
+fn sample_card(ui: &mut Ui, sample: &Sample, picture: Option<&TextureHandle>) -> bool {
     let palette = Palette::of(ui);
-    let size = vec2(ui.available_width().min(460.0), 96.0);
+    let size = vec2(ui.available_width().min(460.0), 84.0);
     let (rect, response) = ui.allocate_exact_size(size, Sense::click());
-    response.widget_info(|| WidgetInfo::labeled(eframe::egui::Role::Button, true, texts::OPEN_FOX));
+    response.widget_info(|| WidgetInfo::labeled(eframe::egui::Role::Button, true, sample.open));
     let active = response.hovered() || response.has_focus();
     let (fill, outline) = if active { (palette.hovered, palette.accent) } else { (palette.raised, palette.outline) };
     let painter = ui.painter();
@@ -256,6 +258,10 @@ fn sample_card(ui: &mut Ui, picture: Option<&TextureHandle>) -> bool {
     let image = Rect::from_min_size(inner.min, Vec2::new(inner.height() * 4.0 / 3.0, inner.height()));
     match picture {
         Some(texture) => {
+            // What is see-through has become black on its way.
+            painter.rect_filled(image, 5.0, Color32::BLACK);
+            let of = texture.size_vec2();
+            let image = Rect::from_center_size(image.center(), of * (image.size() / of).min_elem());
             let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
             let shape = eframe::egui::epaint::RectShape::filled(image, CornerRadius::same(5), Color32::WHITE);
             painter.add(shape.with_texture(texture.id(), whole));
@@ -269,8 +275,8 @@ fn sample_card(ui: &mut Ui, picture: Option<&TextureHandle>) -> bool {
         let galley = painter.layout(text.to_owned(), eframe::egui::FontId::proportional(size), color, room);
         painter.galley(pos2(image.right() + 14.0, inner.top() + at), galley, color);
     };
-    text(16.0, palette.text, 6.0, texts::FOX);
-    text(13.0, palette.weak, 30.0, texts::FOX_TEXT);
+    text(16.0, palette.text, 4.0, sample.name);
+    text(13.0, palette.weak, 28.0, sample.text);
     response.clicked()
 }
 
@@ -303,9 +309,27 @@ fn age(path: &Path) -> String {
         .map_or_else(String::new, |age| texts::ago(age.as_secs()))
 }
 
-/// The sample's first frame, small.
-fn picture(context: &Context, samples: &Path) -> Option<eframe::egui::ColorImage> {
-    let clip = context.open_clip(&sample::clip(samples).ok()?.to_string_lossy()).ok()?;
-    let info = clip.info().ok()?;
-    Some(smaller(&clip.frame(0).ok()?, [info.width as usize, info.height as usize], 160))
+/// Something to try.
+struct Sample {
+    source: Source,
+    name: &'static str,
+    text: &'static str,
+    open: &'static str,
+}
+
+/// One for each door.
+const SAMPLES: [Sample; 3] = [
+    Sample { source: Source::Fox, name: texts::FOX, text: texts::FOX_TEXT, open: texts::OPEN_FOX },
+    Sample { source: Source::Child, name: texts::CHILD, text: texts::CHILD_TEXT, open: texts::OPEN_CHILD },
+    Sample { source: Source::Horse, name: texts::HORSE, text: texts::HORSE_TEXT, open: texts::OPEN_HORSE },
+];
+
+/// A picture of each sample, small.
+fn pictures(context: &Context, samples: &Path) -> [Option<ColorImage>; 3] {
+    let first = |path: std::io::Result<PathBuf>| {
+        let clip = context.open_clip(&path.ok()?.to_string_lossy()).ok()?;
+        let info = clip.info().ok()?;
+        Some(smaller(&clip.frame(0).ok()?, [info.width as usize, info.height as usize], 160))
+    };
+    [first(sample::clip(samples)), first(sample::child_picture(samples)), first(sample::gallop(samples))]
 }

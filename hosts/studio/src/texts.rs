@@ -3,6 +3,9 @@
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
+use crate::document::Door;
+use crate::running::Step;
+
 pub(crate) const PROGRAM: &str = "Marey Studio";
 pub(crate) const SUBTITLE: &str = "Turn a clip of something alive into animation that you can use.";
 
@@ -14,15 +17,21 @@ pub(crate) const CHOOSE_CLIP: &str = "Choose a clip…";
 pub(crate) const OR_DROP: &str = "or drop one on the window";
 pub(crate) const DOOR_CHARACTER: &str = "A character that moves";
 pub(crate) const DOOR_CHARACTER_TEXT: &str =
-    "Pose a drawing by its joints, or let it move as anything that was filmed.";
-pub(crate) const DOOR_CHARACTER_WHERE: &str = "Not in the studio yet. The command line does it: marey character";
+    "Take a picture of a drawing, see its skeleton, and let it move as anything that was filmed.";
+pub(crate) const CHOOSE_PICTURE: &str = "Choose a picture…";
 pub(crate) const DOOR_DRAWING: &str = "A drawing that lives";
-pub(crate) const DOOR_DRAWING_TEXT: &str = "Let the strokes of a vector drawing take the motion of a clip.";
-pub(crate) const DOOR_DRAWING_WHERE: &str = "Not in the studio yet. The command line does it: marey sketch";
+pub(crate) const DOOR_DRAWING_TEXT: &str = "Mark points on a clip, and the lines of a vector drawing move as they do.";
+pub(crate) const CHOOSE_DRAWING_CLIP: &str = "Choose a clip for it…";
 pub(crate) const SAMPLES: &str = "TRY IT";
 pub(crate) const FOX: &str = "A fox that walks";
 pub(crate) const FOX_TEXT: &str = "Drawn on three frames already. Opens, is made into a creature, and plays.";
 pub(crate) const OPEN_FOX: &str = "Open the sample: a fox that walks";
+pub(crate) const CHILD: &str = "A girl who waves";
+pub(crate) const CHILD_TEXT: &str = "A child's drawing with a skeleton. Opens, and walks.";
+pub(crate) const OPEN_CHILD: &str = "Open the sample: a girl who waves";
+pub(crate) const HORSE: &str = "A horse that gallops";
+pub(crate) const HORSE_TEXT: &str = "Sixteen lines that take the gallop of a clip. Opens, and plays.";
+pub(crate) const OPEN_HORSE: &str = "Open the sample: a horse that gallops";
 pub(crate) const UNSAVED: &str = "NOT SAVED YET";
 pub(crate) const UNSAVED_ONE: &str = "Unnamed session";
 pub(crate) const RECENT: &str = "RECENT";
@@ -37,6 +46,12 @@ pub(crate) const DROP: &str = "Let go to open it";
 pub(crate) const PICK_CLIP: &str = "Choose a clip";
 pub(crate) const PICK_SESSION: &str = "Open a session";
 pub(crate) const SAVE_AS: &str = "Save the session";
+pub(crate) const PICK_PICTURE: &str = "Choose a picture of a drawing";
+pub(crate) const PICTURES_OF: &str = "Pictures";
+pub(crate) const PICK_DRAWING: &str = "Choose a vector drawing";
+pub(crate) const DRAWINGS: &str = "SVG drawings";
+pub(crate) const PICK_MOTION: &str = "Choose a motion";
+pub(crate) const MOTIONS: &str = "Motions, BVH files and sessions";
 pub(crate) const EXPORT_TO: &str = "Export to";
 pub(crate) const CLIPS: &str = "Clips";
 pub(crate) const SESSIONS: &str = "Marey sessions";
@@ -57,6 +72,22 @@ pub(crate) const EDIT_REMOVE_LIMB: &str = "removing a limb";
 pub(crate) const EDIT_NAME_LIMB: &str = "limb's name and side";
 pub(crate) const EDIT_TAKE_STROKES: &str = "strokes from a file";
 pub(crate) const EDIT_MOVE_KEY: &str = "moving a key frame";
+
+pub(crate) const EDIT_MARK: &str = "new point";
+pub(crate) const EDIT_MOVE_POINT: &str = "moving a point";
+pub(crate) const EDIT_UNMARK: &str = "removing a mark";
+pub(crate) const EDIT_REMOVE_POINT: &str = "removing a point";
+pub(crate) const EDIT_TAKE_POINTS: &str = "points from a file";
+pub(crate) const EDIT_DRAWING: &str = "another drawing";
+pub(crate) const EDIT_HANDLE: &str = "moving a point on the drawing";
+pub(crate) const EDIT_HOW: &str = "how it moves";
+pub(crate) const EDIT_REBIND: &str = "laying it anew";
+pub(crate) const EDIT_STIFFNESS: &str = "stiffness";
+pub(crate) const EDIT_PICTURE: &str = "another picture";
+pub(crate) const EDIT_JOINT: &str = "moving a joint";
+pub(crate) const EDIT_SKELETON: &str = "proposing the skeleton";
+pub(crate) const EDIT_MOTION: &str = "another motion";
+pub(crate) const EDIT_FOLLOWS: &str = "what a joint follows";
 
 // The bar.
 pub(crate) const TO_START: &str = "To the start";
@@ -93,6 +124,61 @@ pub(crate) const PATHS: &str = "Paths";
 pub(crate) const MASK: &str = "Mask";
 pub(crate) const FIT: &str = "Fit";
 
+// A drawing that lives.
+pub(crate) const MARK_HINT: &str =
+    "Click on what moves: head, back, tail, then each joint and foot. A dozen points make a good gallop.";
+pub(crate) const MARK_FIRST: &str = "Mark at least three points on the clip, and they will be laid on the drawing.";
+pub(crate) const NEXT_MARK: &str = "Next: mark points";
+pub(crate) const NO_POINTS: &str = "Each click on the clip becomes a point here.";
+pub(crate) const MORE_POINTS: &str = "Click for more. Where a point strays, drag it back on that frame.";
+pub(crate) const POINT_SELECTED: &str = "Drag it on the clip or on the drawing. Delete takes its mark off this frame.";
+pub(crate) const DRAWING: &str = "DRAWING";
+pub(crate) const CHOOSE_DRAWING: &str = "From an SVG file…";
+pub(crate) const CHOOSE_A_DRAWING: &str = "Choose a drawing…";
+pub(crate) const OURS: &str = "One of ours";
+pub(crate) const NO_DRAWING: &str = "The drawing that is to move: an SVG of lines. Drop it here, or choose one.";
+pub(crate) const SHEET_NAME: &str = "The drawing";
+pub(crate) const NUMBERS: &str = "Numbers";
+pub(crate) const FIT_DRAWING: &str = "Fit the drawing";
+pub(crate) const LAID: &str = "HOW IT IS LAID";
+pub(crate) const LAID_HINT: &str = "Equal numbers belong together. Drag one on the drawing where it is wrong.";
+pub(crate) const MIRRORED: &str = "Faces the other way";
+pub(crate) const MIRRORED_HINT: &str = "The drawing looks to the other side than what was filmed";
+pub(crate) const ON_SPOT: &str = "Stays on the spot";
+pub(crate) const ON_SPOT_HINT: &str = "It moves its limbs, but does not go across the picture";
+pub(crate) const LIKE_THIS: &str = "Lay it on this frame";
+pub(crate) const LIKE_THIS_HINT: &str = "Choose the frame in which what was filmed stands most like the drawing";
+pub(crate) const STIFFNESS: &str = "LINES";
+pub(crate) const STIFFNESS_NAME: &str = "How stiff the lines are";
+pub(crate) const STIFFNESS_HINT: &str = "How much lines keep their shape while they move";
+pub(crate) const SOFT: &str = "soft";
+pub(crate) const STIFF: &str = "stiff";
+pub(crate) const MOVE_FIRST: &str = "Nothing moves yet. Go through the steps on the left first.";
+
+// A character that moves.
+pub(crate) const PICTURE: &str = "PICTURE";
+pub(crate) const OTHER_PICTURE: &str = "Another picture…";
+pub(crate) const SKELETON: &str = "Skeleton";
+pub(crate) const SKELETON_HINT: &str = "Proposed. Drag a joint where it is wrong.";
+pub(crate) const SKELETON_OWN: &str = "Drag a joint to move it.";
+pub(crate) const PROPOSE_SKELETON: &str = "Propose it anew";
+pub(crate) const PROPOSE_SKELETON_HINT: &str = "Drops this skeleton for one that is found in the drawing";
+pub(crate) const MOTION: &str = "MOTION";
+pub(crate) const OUR_MOTIONS: &str = "One of our motions";
+pub(crate) const CHOOSE_MOTION: &str = "Choose a motion…";
+pub(crate) const CHOOSE_MOTION_HINT: &str = "A motion.json, a BVH file, or a session in which something was tracked";
+pub(crate) const CARRIED: &str = "HOW IT FOLLOWS";
+pub(crate) const ABSOLUTE: &str = "Limbs point as the motion's do";
+pub(crate) const ABSOLUTE_HINT: &str = "Else each turns as much as the motion's, from where it was drawn";
+pub(crate) const STRETCH: &str = "Limbs may stretch";
+pub(crate) const STRETCH_HINT: &str = "How much longer or shorter a limb can become";
+pub(crate) const FOLLOWS_NOTHING: &str = "nothing";
+pub(crate) const FIGURE_NAME: &str = "The character as it was drawn";
+pub(crate) const MOVING_NAME: &str = "The character in motion";
+pub(crate) const NO_MOTION: &str = "Choose a motion on the left, and it plays here.";
+pub(crate) const NO_MOTION_THERE: &str = "Nothing was tracked in that session. Make its creature first.";
+pub(crate) const SEEING: &str = "One moment…";
+
 // Limbs.
 pub(crate) const NEW_LIMB: &str = "New limb";
 pub(crate) const NO_LIMBS: &str = "Each stroke on the clip becomes a limb here.";
@@ -115,6 +201,7 @@ pub(crate) const FACING_AWAY_HINT: &str = "It points away from the camera";
 pub(crate) const REMOVE_STROKE: &str = "Remove its stroke here";
 
 // Time.
+pub(crate) const TIMELINE: &str = "Frame";
 pub(crate) const PLAY: &str = "Play";
 pub(crate) const PAUSE: &str = "Pause";
 pub(crate) const LOOP: &str = "Loop";
@@ -139,7 +226,6 @@ pub(crate) const AS_FILMED: &str = "As filmed";
 pub(crate) const ORBIT_HINT: &str = "Drag to turn";
 
 // Exporting.
-pub(crate) const EXPORT_TITLE: &str = "Export the creature";
 pub(crate) const GLB: &str = "glTF (.glb)";
 pub(crate) const GLB_USE: &str = "Mesh, bones, animation and texture in one file, for Blender and game engines";
 pub(crate) const FOLDER: &str = "Everything, in a folder";
@@ -154,6 +240,14 @@ pub(crate) const MP4: &str = "Film (.mp4)";
 pub(crate) const MP4_USE: &str = "For film editors; it cannot be see-through";
 pub(crate) const PICTURES: &str = "PNG pictures, in a folder";
 pub(crate) const PICTURES_USE: &str = "One for each frame, for compositing";
+pub(crate) const SVG: &str = "Animated SVG";
+pub(crate) const SVG_USE: &str = "Lines that move on any web page, sharp at any size";
+pub(crate) const LOTTIE: &str = "Lottie (.json)";
+pub(crate) const LOTTIE_USE: &str = "For apps and web pages, and for After Effects";
+pub(crate) const SPINE: &str = "Spine, in a folder";
+pub(crate) const SPINE_USE: &str = "Skeleton, atlas and picture, for games";
+pub(crate) const DRAGONBONES: &str = "DragonBones, in a folder";
+pub(crate) const DRAGONBONES_USE: &str = "Skeleton, atlas and picture, for games";
 pub(crate) const SHEET: &str = "Sprite sheet";
 pub(crate) const SHEET_USE: &str = "All frames on one PNG, with their places in JSON";
 pub(crate) const PREVIEW_NAME: &str = "Preview";
@@ -273,6 +367,58 @@ pub(crate) fn with_what(text: &str, what: Option<&str>) -> String {
     what.map_or_else(|| text.to_owned(), |what| format!("{text}: {what}"))
 }
 
+pub(crate) fn unreadable(path: &Path, why: &std::io::Error) -> String {
+    format!("{}: cannot be read: {why}; choose another file", path.display())
+}
+
+/// What a step of the machine is called while it runs.
+pub(crate) fn step(step: Step) -> &'static str {
+    match step {
+        Step::Points => "Following the points",
+        Step::Bind | Step::Rebind => "Laying it on the drawing",
+        Step::Still => "Reading the drawing",
+        Step::Character => "Finding the skeleton",
+        Step::Move => "Moving it",
+    }
+}
+
+pub(crate) fn points(count: usize) -> String {
+    if count == 0 { "POINTS".into() } else { format!("POINTS · {count}") }
+}
+
+pub(crate) fn point_name(number: usize, name: &str) -> String {
+    let number = (number + 1).to_string();
+    if number == name { number } else { format!("{number}  {name}") }
+}
+
+pub(crate) fn times_marked(count: usize) -> String {
+    if count == 1 { String::new() } else { format!("{count} marks") }
+}
+
+pub(crate) fn select_point(number: usize) -> String {
+    format!("Select point {}", number + 1)
+}
+
+pub(crate) fn remove_point(number: usize) -> String {
+    format!("Remove point {}", number + 1)
+}
+
+pub(crate) fn like_frame(frame: u64) -> String {
+    format!("Laid on frame {}.", frame + 1)
+}
+
+pub(crate) fn skeleton(joints: usize) -> String {
+    if joints == 0 { "SKELETON".into() } else { format!("SKELETON · {joints} joints") }
+}
+
+pub(crate) fn follows(joint: &str) -> String {
+    format!("{joint} follows")
+}
+
+pub(crate) fn times(value: f64) -> String {
+    format!("{value:.1} ×")
+}
+
 pub(crate) fn canvas_name(frame: u64, frames: u64) -> String {
     format!("The clip, frame {} of {frames}", frame + 1)
 }
@@ -369,6 +515,25 @@ pub(crate) fn pictures_name(title: &str) -> String {
 
 pub(crate) fn sheet_name(title: &str) -> String {
     format!("{title} sheet")
+}
+
+pub(crate) fn bones_name(title: &str, spine: bool) -> String {
+    if spine { format!("{title} spine") } else { format!("{title} dragonbones") }
+}
+
+pub(crate) fn export_title(door: Door) -> &'static str {
+    match door {
+        Door::Creature => "Export the creature",
+        Door::Character => "Export the character",
+        Door::Drawing => "Export the drawing",
+    }
+}
+
+pub(crate) fn drawn_size_name(width: u32, height: u32, percent: u32) -> String {
+    match percent {
+        0 => format!("{width} × {height}, as drawn"),
+        _ => format!("{width} × {height}"),
+    }
 }
 
 pub(crate) fn size_name(width: u32, height: u32, of_clip: bool) -> String {

@@ -49,10 +49,10 @@ fn what_is_saved_is_read_and_what_is_not_known_is_kept_or_refused() {
     // A journal of a newer version is refused too, and stays as it is.
     std::fs::write(&path, &text).expect("written");
     let newer =
-        record::encode(&serde_json::json!({"format": "marey-journal", "version": 2, "session": ""})).expect("text");
+        record::encode(&serde_json::json!({"format": "marey-journal", "version": 3, "session": ""})).expect("text");
     std::fs::write(path_of(&path), &newer).expect("written");
     let error = Session::open(&path, Access::Edit, Progress::new().whole()).expect_err("newer").to_string();
-    assert!(error.contains("version 2") && error.contains("walk.marey-journal"), "{error}");
+    assert!(error.contains("version 3") && error.contains("walk.marey-journal"), "{error}");
     assert_eq!(std::fs::read_to_string(path_of(&path)).expect("kept"), newer);
 }
 

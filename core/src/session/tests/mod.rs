@@ -3,6 +3,7 @@
 mod editing;
 mod embedded;
 mod files;
+mod parts;
 mod recording;
 mod recovery;
 mod retracking;

@@ -53,7 +53,7 @@ fn a_damaged_file_gives_all_that_is_whole_and_says_what_is_not() {
         std::fs::write(&path, bytes).expect("written");
         let opened = Session::open(&path, Access::ReadOnly, Progress::new().whole());
         let Ok(session) = opened else { return 0 };
-        let Document { inputs, tracked } = session.document();
+        let Document { inputs, tracked, .. } = session.document();
         let whole = [
             inputs.clip == saved.inputs.clip,
             inputs.rig == saved.inputs.rig,

@@ -57,7 +57,7 @@ fn only_what_is_out_of_date_is_asked_for() {
     }
     let noting = Noting::default();
     let asked = |session: &mut Session| {
-        let Document { inputs, tracked } = session.document().clone();
+        let Document { inputs, tracked, .. } = session.document().clone();
         let tracker = Incremental { tracker: &noting, inputs: &inputs, tracked: tracked.as_ref() };
         let motion = tracker.track(&footage, &inputs.rig, Progress::new().whole()).expect("tracked");
         session.set_motion(Some(Tracked { motion: Arc::new(motion), inputs })).expect("taken");

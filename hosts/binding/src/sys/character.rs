@@ -163,6 +163,30 @@ pub(crate) fn take_info(handle: &Handle, take: mry_take) -> Result<mry_take_info
     Ok(info)
 }
 
+pub(crate) fn take_measure(handle: &Handle, take: mry_take, scale: f32, crop: bool) -> Result<(u32, u32, mry_point)> {
+    let (mut width, mut height, mut corner) = (0, 0, mry_point::default());
+    call!(mry_take_measure(handle, take, scale, crop.into(), &mut width, &mut height, &mut corner))?;
+    Ok((width, height, corner))
+}
+
+pub(crate) fn take_draw(
+    handle: &Handle,
+    take: mry_take,
+    frame: u64,
+    scale: f32,
+    crop: bool,
+) -> Result<(u32, u32, Vec<u8>)> {
+    let (width, height, _) = take_measure(handle, take, scale, crop)?;
+    let mut pixels = vec![0; 4 * width as usize * height as usize];
+    let (at, capacity) = (pixels.as_mut_ptr(), pixels.len());
+    call!(mry_take_draw_frame(handle, take, frame, scale, crop.into(), at, capacity, 0))?;
+    Ok((width, height, pixels))
+}
+
+pub(crate) fn motion_from_json(handle: &Handle, json: &str) -> Result<mry_motion> {
+    taken(|out| call!(mry_motion_from_json(handle, str(json), out)))
+}
+
 pub(crate) fn take_points(handle: &Handle, take: mry_take, frame: u64) -> Result<Vec<mry_point>> {
     sized_list(|points, capacity, count| call!(mry_take_read_points(handle, take, frame, points, capacity, count)))
 }

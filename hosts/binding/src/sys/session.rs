@@ -53,6 +53,14 @@ pub(crate) fn session_fingerprint(handle: &Handle, session: mry_session) -> Resu
     Ok(number)
 }
 
+pub(crate) fn session_set_part(handle: &Handle, session: mry_session, part: i32, bytes: &[u8]) -> Result<()> {
+    call!(mry_session_set_part(handle, session, part, bytes.as_ptr(), bytes.len())).map(drop)
+}
+
+pub(crate) fn session_part(handle: &Handle, session: mry_session, part: i32) -> Result<Vec<u8>> {
+    sized_list(|bytes, capacity, count| call!(mry_session_get_part(handle, session, part, bytes, capacity, count)))
+}
+
 pub(crate) fn session_discard(handle: &Handle, session: mry_session) -> Result<()> {
     call!(mry_session_discard(handle, session)).map(drop)
 }

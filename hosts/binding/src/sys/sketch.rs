@@ -211,6 +211,17 @@ pub(crate) fn sketch_take_stroke(
     })
 }
 
+pub(crate) fn sketch_take_measure(
+    handle: &Handle,
+    take: mry_sketch_take,
+    scale: f32,
+    crop: bool,
+) -> Result<(u32, u32, mry_point)> {
+    let (mut width, mut height, mut corner) = (0, 0, mry_point::default());
+    call!(mry_sketch_take_measure(handle, take, scale, crop.into(), &mut width, &mut height, &mut corner))?;
+    Ok((width, height, corner))
+}
+
 /// Width, height and pixels.
 pub(crate) fn sketch_take_draw(
     handle: &Handle,
@@ -219,9 +230,8 @@ pub(crate) fn sketch_take_draw(
     scale: f32,
     crop: bool,
 ) -> Result<(u32, u32, Vec<u8>)> {
-    let (mut width, mut height, crop) = (0, 0, crop.into());
-    let corner = std::ptr::null_mut();
-    call!(mry_sketch_take_measure(handle, take, scale, crop, &mut width, &mut height, corner))?;
+    let (width, height, _) = sketch_take_measure(handle, take, scale, crop)?;
+    let crop = crop.into();
     let mut pixels = vec![0; 4 * width as usize * height as usize];
     let (at, capacity) = (pixels.as_mut_ptr(), pixels.len());
     call!(mry_sketch_take_draw_frame(handle, take, frame, scale, crop, at, capacity, 0))?;

@@ -1,0 +1,133 @@
+//! From a picture to a character that moves, by mouse and keyboard.
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+
+mod common;
+
+use std::path::Path;
+
+use common::Desk;
+use marey_studio::egui::{Key, Modifiers};
+
+const CTRL: Modifiers = Modifiers::COMMAND;
+
+fn keys(desk: &mut Desk, modifiers: Modifiers, key: Key) {
+    desk.harness.key_press_modifiers(modifiers, key);
+    desk.harness.run_steps(3);
+}
+
+fn open(desk: &Desk) -> marey_studio::Open<'_> {
+    desk.harness.state().open().unwrap()
+}
+
+fn settle(desk: &mut Desk, moves: bool) {
+    let so = move |o: marey_studio::Open<'_>| !o.joints().is_empty() && !o.is_busy() && o.moves() == moves;
+    desk.wait("the machine", move |s| s.open().is_some_and(so));
+    desk.harness.run_steps(3);
+}
+
+/// A figure of one thick line that is bent once, on white.
+fn figure(folder: &Path) -> std::path::PathBuf {
+    let path = folder.join("figure.png");
+    let image = image::RgbImage::from_fn(120, 160, |x, y| {
+        let (x, y) = (x as f32, y as f32);
+        let body = (x - 60.0).abs() < 9.0 && (30.0..140.0).contains(&y);
+        let arms = (y - 60.0).abs() < 6.0 && (20.0..100.0).contains(&x);
+        if body || arms { image::Rgb([40, 60, 120]) } else { image::Rgb([255, 255, 255]) }
+    });
+    image.save(&path).unwrap();
+    path
+}
+
+#[test]
+fn a_picture_takes_a_motion_and_is_exported() {
+    let mut desk = Desk::new();
+    let picture = figure(desk.folder.path());
+    desk.harness.state_mut().open_picture(&picture);
+    desk.wait_open();
+    settle(&mut desk, false);
+    let joints = open(&desk).joints();
+    assert!(joints.len() >= 5, "a body and two arms: {joints:?}");
+
+    // A joint is moved, and back.
+    let at = joints[1].1;
+    let (from, to) = (open(&desk).on_screen(at), open(&desk).on_screen((at.0 + 3.0, at.1 + 2.0)));
+    desk.harness.hover_at(from);
+    desk.harness.drag_at(from);
+    for step in 1..=6 {
+        desk.harness.hover_at(from.lerp(to, step as f32 / 6.0));
+    }
+    desk.harness.drop_at(to);
+    desk.harness.run_steps(3);
+    settle(&mut desk, false);
+    let moved = open(&desk).joints()[1].1;
+    assert!((moved.0 - at.0 - 3.0).abs() < 0.6 && (moved.1 - at.1 - 2.0).abs() < 0.6, "{at:?} {moved:?}");
+    keys(&mut desk, CTRL, Key::Z);
+    settle(&mut desk, false);
+    assert_eq!(open(&desk).joints(), joints, "one step");
+
+    // A motion of a file.
+    let motion = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/characters/child/walk.motion.json");
+    desk.drop_file(&motion);
+    settle(&mut desk, true);
+    assert!(open(&desk).playing());
+    desk.click("Stays on the spot");
+    settle(&mut desk, true);
+
+    desk.click("Export…");
+    desk.click("Animated PNG");
+    desk.click("Export");
+    desk.wait("the export", |s| s.open().is_some_and(|o| !o.is_busy()));
+    let png = image::codecs::png::PngDecoder::new(std::io::BufReader::new(
+        std::fs::File::open(desk.home().join("figure.png")).unwrap(),
+    ))
+    .unwrap();
+    let frames = image::AnimationDecoder::into_frames(png.apng().unwrap()).collect_frames().unwrap();
+    assert_eq!(frames.len(), 24);
+
+    keys(&mut desk, CTRL, Key::E);
+    desk.click("glTF (.glb)");
+    desk.click("Export");
+    desk.wait("the export", |s| s.open().is_some_and(|o| !o.is_busy()));
+    assert_eq!(&std::fs::read(desk.home().join("figure.glb")).unwrap()[..4], b"glTF");
+
+    // All of it is there after a crash.
+    let mut desk = desk.again();
+    desk.harness.run();
+    desk.click("Open figure");
+    desk.wait_open();
+    settle(&mut desk, true);
+    assert_eq!(open(&desk).joints(), joints);
+}
+
+#[test]
+fn a_character_is_exported_from_the_start_by_three_clicks() {
+    let mut desk = Desk::new();
+    desk.harness.run();
+    desk.click("Open the sample: a girl who waves");
+    settle(&mut desk, true);
+    assert_eq!(open(&desk).joints().len(), 15);
+    desk.click("Export…");
+    desk.click("Export");
+    desk.wait("the export", |s| s.open().is_some_and(|o| !o.is_busy()));
+    assert_eq!(&std::fs::read(desk.home().join("A girl who waves.gif")).unwrap()[..6], b"GIF89a");
+}
+
+#[test]
+fn what_is_no_picture_and_no_motion_is_said() {
+    let mut desk = Desk::new();
+    let file = desk.folder.path().join("notes.png");
+    std::fs::write(&file, "no picture").unwrap();
+    desk.harness.state_mut().open_picture(&file);
+    desk.wait("the message", |s| !s.notices().is_empty());
+    assert!(desk.harness.state().open().is_none());
+
+    let picture = figure(desk.folder.path());
+    desk.harness.state_mut().open_picture(&picture);
+    desk.wait_open();
+    settle(&mut desk, false);
+    let motion = desk.folder.path().join("walk.bvh");
+    std::fs::write(&motion, "no motion").unwrap();
+    desk.drop_file(&motion);
+    desk.wait("the message", |s| s.notices().iter().any(|n| n.contains("walk.bvh")));
+    settle(&mut desk, false);
+}

@@ -1,0 +1,161 @@
+//! From a clip and a drawing to a drawing that lives, by mouse and keyboard.
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+
+mod common;
+
+use common::{BAR_FRAMES, Desk, bar};
+use egui_kittest::kittest::Queryable as _;
+use marey_studio::egui::{Key, Modifiers, Pos2};
+
+const CTRL: Modifiers = Modifiers::COMMAND;
+
+/// A bar of two lines, as the one of the clip but twice as large.
+const SVG: &str = r#"<svg xmlns="http://www.w3.org/2000/svg" width="192" height="128">
+<path d="M60 52 L120 52" stroke="black" stroke-width="3" fill="none"/>
+<path d="M60 76 L120 76" stroke="black" stroke-width="3" fill="none"/></svg>"#;
+
+fn keys(desk: &mut Desk, modifiers: Modifiers, key: Key) {
+    desk.harness.key_press_modifiers(modifiers, key);
+    desk.harness.run_steps(3);
+}
+
+fn open(desk: &Desk) -> marey_studio::Open<'_> {
+    desk.harness.state().open().unwrap()
+}
+
+fn click_at(desk: &mut Desk, at: Pos2) {
+    desk.harness.hover_at(at);
+    desk.harness.drag_at(at);
+    desk.harness.drop_at(at);
+    desk.harness.run_steps(3);
+}
+
+fn drag(desk: &mut Desk, from: Pos2, to: Pos2) {
+    desk.harness.hover_at(from);
+    desk.harness.drag_at(from);
+    for step in 1..=8 {
+        desk.harness.hover_at(from.lerp(to, step as f32 / 8.0));
+    }
+    desk.harness.drop_at(to);
+    desk.harness.run_steps(3);
+}
+
+fn settle(desk: &mut Desk) {
+    desk.wait("it to move", |s| s.open().is_some_and(|o| o.moves() && !o.is_busy()));
+    desk.harness.run_steps(3);
+}
+
+/// A desk with a clip and a drawing dropped on the third door, and four points marked.
+fn marked() -> Desk {
+    let mut desk = Desk::new();
+    let clip = bar(desk.folder.path());
+    let drawing = desk.folder.path().join("bar.svg");
+    std::fs::write(&drawing, SVG).unwrap();
+    desk.harness.state_mut().open_for_drawing(&clip);
+    desk.wait_open();
+    desk.click("Next: mark points");
+    assert!(desk.harness.state().notices()[0].contains("Click on what moves"));
+    for at in [(32.0, 28.0), (57.0, 28.0), (44.0, 36.0), (33.0, 36.0)] {
+        let at = open(&desk).on_screen(at);
+        click_at(&mut desk, at);
+    }
+    assert_eq!(open(&desk).marks().len(), 4);
+    desk.drop_file(&drawing);
+    settle(&mut desk);
+    desk
+}
+
+#[test]
+fn a_clip_moves_a_drawing_and_it_is_exported() {
+    let mut desk = marked();
+    assert_eq!(open(&desk).handles().len(), 4, "equal numbers on clip and drawing");
+
+    // A point is corrected on another frame: one step, tracked again by itself, and a key frame more.
+    if open(&desk).playing() {
+        keys(&mut desk, Modifiers::NONE, Key::Space);
+    }
+    keys(&mut desk, Modifiers::NONE, Key::End);
+    desk.harness.run_steps(3);
+    let last = u64::from(BAR_FRAMES) - 1;
+    assert_eq!(open(&desk).frame(), last);
+    // The bar has wandered two pixels a frame.
+    let followed = open(&desk).points()[0];
+    assert!((followed.0 - 46.0).abs() < 3.0 && (followed.1 - 28.0).abs() < 3.0, "{followed:?}");
+    let (from, to) = (open(&desk).on_screen(followed), open(&desk).on_screen((followed.0 + 4.0, followed.1 + 3.0)));
+    drag(&mut desk, from, to);
+    settle(&mut desk);
+    assert_eq!(open(&desk).key_frames(), [0, last]);
+    assert_eq!(open(&desk).marks()[0].len(), 2, "{:?}", open(&desk).marks());
+    keys(&mut desk, CTRL, Key::Z);
+    settle(&mut desk);
+    assert_eq!(open(&desk).key_frames(), [0], "one step");
+
+    // A point is moved on the drawing, and moved back.
+    let before = open(&desk).handles();
+    let at = before[1].1;
+    let (from, to) = (open(&desk).on_sheet(at), open(&desk).on_sheet((at.0 + 20.0, at.1 + 10.0)));
+    drag(&mut desk, from, to);
+    settle(&mut desk);
+    let moved = open(&desk).handles()[1].1;
+    assert!((moved.0 - at.0 - 20.0).abs() < 1.0 && (moved.1 - at.1 - 10.0).abs() < 1.0, "{at:?} {moved:?}");
+    keys(&mut desk, CTRL, Key::Z);
+    settle(&mut desk);
+    assert_eq!(open(&desk).handles(), before, "one step");
+
+    desk.click("Export…");
+    desk.click("Animated SVG");
+    desk.click("Export");
+    desk.wait("the export", |s| s.open().is_some_and(|o| !o.is_busy()));
+    let svg = std::fs::read_to_string(desk.home().join("bar.svg")).unwrap();
+    assert!(svg.contains("<animate") && svg.matches("<path").count() >= 2, "{}", &svg[..svg.len().min(400)]);
+
+    keys(&mut desk, CTRL, Key::E);
+    desk.click("GIF");
+    desk.click("Export");
+    desk.wait("the export", |s| s.open().is_some_and(|o| !o.is_busy()));
+    let gif = image::codecs::gif::GifDecoder::new(std::io::BufReader::new(
+        std::fs::File::open(desk.home().join("bar.gif")).unwrap(),
+    ))
+    .unwrap();
+    let frames = image::AnimationDecoder::into_frames(gif).collect_frames().unwrap();
+    assert_eq!(frames.len(), BAR_FRAMES as usize);
+    let first = frames[0].buffer();
+    assert_ne!(first.as_raw(), frames[frames.len() - 1].buffer().as_raw(), "it moves");
+}
+
+#[test]
+fn points_and_drawing_are_there_after_a_crash() {
+    let desk = marked();
+    let marks = open(&desk).marks();
+    let mut desk = desk.again();
+    desk.harness.run();
+    desk.click("Open bar");
+    desk.wait_open();
+    assert_eq!(open(&desk).marks(), marks);
+    settle(&mut desk);
+    assert_eq!(open(&desk).handles().len(), 4);
+    desk.click("Remove point 2");
+    settle(&mut desk);
+    let notices = desk.harness.state().notices();
+    assert_eq!((open(&desk).marks().len(), open(&desk).handles().len()), (3, 3), "{notices:?}");
+}
+
+#[test]
+fn a_drawing_is_exported_from_the_start_by_three_clicks() {
+    let mut desk = Desk::new();
+    desk.harness.run();
+    desk.click("Open the sample: a horse that gallops");
+    settle(&mut desk);
+    let open = open(&desk);
+    assert_eq!((open.marks().len(), open.handles().len()), (16, 16));
+    assert!(open.playing());
+    desk.click("Export…");
+    desk.click("Export");
+    desk.wait("the export", |s| s.open().is_some_and(|o| !o.is_busy()));
+    let svg = std::fs::read_to_string(desk.home().join("A horse that gallops.svg")).unwrap();
+    assert!(svg.contains("<animate"));
+    // It was only looked at.
+    desk.click("To the start");
+    desk.harness.run();
+    assert!(desk.harness.query_by_label("NOT SAVED YET").is_none());
+}
