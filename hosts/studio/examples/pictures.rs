@@ -1,6 +1,7 @@
 //! Pictures of the studio's screens: those of its page in the docs, or `all`, light and dark.
 //!
-//! `cargo run --release -p marey-studio --example pictures -- docs/pictures`
+//! `cargo run --release -p marey-studio --example pictures -- docs/pictures`, after `cargo build --release -p marey-flow-tracker
+//! -p marey-grab-cut`, whose plugins the pictures show.
 #![allow(clippy::print_stdout, reason = "it is what this is for")]
 #![allow(clippy::unwrap_used, reason = "a picture that cannot be made has failed")]
 
@@ -16,7 +17,7 @@ use image::codecs::jpeg::JpegEncoder;
 use marey_studio::egui::{Key, Modifiers, Theme};
 
 /// What the page shows.
-const DOCS: [&str; 4] = ["start", "drawing", "creature", "export"];
+const DOCS: [&str; 6] = ["start", "drawing", "creature", "onion", "plugins", "export"];
 
 fn main() {
     let folder = PathBuf::from(std::env::args().nth(1).unwrap_or_else(|| ".".into()));
@@ -26,6 +27,13 @@ fn main() {
             continue;
         }
         let mut desk = Desk::in_folder(Arc::new(tempfile::tempdir().unwrap()), theme);
+        let plugins = desk.folder.path().join("data/plugins");
+        let built = std::env::current_exe().unwrap().parent().unwrap().join("..");
+        for name in ["libflow_tracker.so", "libgrab_cut.so"] {
+            // Without them there is a list without them.
+            let _ = std::fs::copy(built.join(name), plugins.join(name));
+        }
+        std::fs::write(plugins.join("half-built.so"), "no library yet").unwrap();
         let save = |desk: &mut Desk, name: &str| {
             if !(all || DOCS.contains(&name)) {
                 return;
@@ -80,6 +88,48 @@ fn main() {
         desk.click("Draw hind_near");
         desk.rest(1500);
         save(&mut desk, "creature");
+        desk.harness.key_press(Key::Escape);
+        desk.harness.key_press(Key::O);
+        desk.rest(300);
+        save(&mut desk, "onion");
+        desk.click("Onion skin: how much");
+        save(&mut desk, "onion-settings");
+        desk.harness.key_press(Key::Escape);
+        desk.harness.run_steps(2);
+        desk.harness.key_press(Key::O);
+        desk.click("Paint what is the creature");
+        let along = [(300.0, 235.0), (350.0, 235.0), (420.0, 240.0)];
+        desk.draw(&along);
+        desk.click("Paint what is not the creature");
+        desk.press_along(&[(230.0, 330.0), (280.0, 335.0), (330.0, 332.0)]);
+        save(&mut desk, "paint");
+        desk.harness.drop_at(desk.harness.state().open().unwrap().on_screen((330.0, 332.0)));
+        desk.harness.run_steps(3);
+        desk.harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+        desk.harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+        desk.harness.key_press(Key::D);
+        desk.harness.run_steps(3);
+        desk.click("How the creature is made");
+        save(&mut desk, "methods");
+        if desk.harness.query_by_label("It is cut out by").is_some() {
+            desk.click("It is cut out by");
+            save(&mut desk, "methods-list");
+            desk.harness.key_press(Key::Escape);
+            desk.harness.run_steps(3);
+        }
+        desk.harness.key_press(Key::Escape);
+        desk.harness.run_steps(3);
+        desk.click("Plugins");
+        desk.rest(300);
+        let settings = desk.harness.query_all_by_label_contains("Settings: ").map(|n| n.rect().center()).next();
+        if let Some(at) = settings {
+            desk.harness.hover_at(at);
+            desk.harness.drag_at(at);
+            desk.harness.drop_at(at);
+            desk.rest(400);
+        }
+        save(&mut desk, "plugins");
+        desk.click("Close");
         desk.harness.key_press(Key::Num3);
         desk.harness.key_press(Key::Num4);
         desk.harness.key_press(Key::V);
@@ -100,5 +150,14 @@ fn main() {
         desk.harness.run_steps(3);
         desk.harness.key_press_modifiers(Modifiers::NONE, Key::F1);
         save(&mut desk, "keys");
+        desk.click("Keys of Last frame: End");
+        desk.harness.key_press(Key::R);
+        desk.harness.run_steps(3);
+        save(&mut desk, "keys-taken");
+        desk.click("Close");
+        desk.click("To the start");
+        desk.rest(300);
+        desk.click("Choose a clip…");
+        save(&mut desk, "path");
     }
 }

@@ -11,6 +11,7 @@
 mod app;
 mod around;
 mod background;
+mod brush;
 mod canvas;
 mod creature_door;
 mod document;
@@ -19,12 +20,18 @@ mod frames;
 mod help;
 mod icons;
 mod limbs_panel;
+mod methods;
 mod notices;
+mod onion;
 mod opening;
 mod overlay;
+mod parameters;
+mod path_field;
 mod picker;
 mod places;
 mod playback;
+mod plugins;
+mod plugins_panel;
 mod preferences;
 mod running;
 mod sample;
@@ -40,6 +47,7 @@ mod window;
 
 pub use app::Studio;
 pub use places::Places;
+pub use plugins::probe;
 pub use window::run;
 
 /// What the studio is drawn with.

@@ -29,6 +29,8 @@ pub(crate) struct Running {
     state: JobState,
     /// A person asked it to stop.
     pub(crate) cancelled: bool,
+    /// Nothing wants it any more.
+    pub(crate) given_up: bool,
 }
 
 /// How a job ended.
@@ -42,7 +44,7 @@ pub(crate) enum Ended {
 impl Running {
     pub(crate) fn new(job: Job, purpose: Purpose) -> Self {
         let state = JobState { ended: false, fraction: 0.0, stage: String::new(), stage_fraction: 0.0, revision: 0 };
-        Self { job, purpose, began: Instant::now(), state, cancelled: false }
+        Self { job, purpose, began: Instant::now(), state, cancelled: false, given_up: false }
     }
 
     /// Looks how it is; gives its end.
@@ -65,6 +67,12 @@ impl Running {
     pub(crate) fn cancel(&mut self) {
         self.cancelled = true;
         // What has ended meanwhile needs no cancel.
+        let _ = self.job.cancel();
+    }
+
+    /// Stops it, of which a person need not hear.
+    pub(crate) fn give_up(&mut self) {
+        self.given_up = true;
         let _ = self.job.cancel();
     }
 
