@@ -12,6 +12,18 @@ pub(crate) fn run(args: &[String]) -> Result<()> {
     ensure!(args.len() < 3 && numbers, "usage: cargo xtask studio [GESTURES [SEED]]");
     let mut tests = cargo();
     tests.env("GESTURES", gestures).env("SEED", seed);
-    tests.args(["test", "--release", "--locked", "--package", "marey-studio", "--test", "kills", "--test", "chance", "--test", "person"]);
+    tests.args([
+        "test",
+        "--release",
+        "--locked",
+        "--package",
+        "marey-studio",
+        "--test",
+        "kills",
+        "--test",
+        "chance",
+        "--test",
+        "person",
+    ]);
     shell::run(tests.args(["--", "--include-ignored", "--nocapture", "--test-threads", "1"]))
 }

@@ -1,8 +1,8 @@
 //! The clip with what is drawn on it: strokes by the pen, zoom at the cursor, pan by Space or the middle button.
 
 use eframe::egui::{
-    Color32, CursorIcon, DragValue, Key, Painter, PointerButton, Pos2, Rect, Response, Role, Sense, Stroke, Ui, Vec2, WidgetInfo,
-    pos2, vec2,
+    Color32, CursorIcon, DragValue, Event, Key, Painter, PointerButton, Popup, Pos2, Rect, Response, Role, Sense,
+    Stroke, Ui, Vec2, WidgetInfo, pos2, vec2,
 };
 use marey_binding::Masks;
 
@@ -23,6 +23,8 @@ const MEET: f32 = 12.0;
 const NEAR: f32 = 10.0;
 /// Places of a stroke are so far apart, in points of the screen: finer than a hand is.
 const STEP: f32 = 2.0;
+/// The edges of a panel are taken hold of so far inside of it.
+const EDGE: f32 = 5.0;
 /// A shorter stroke is a click that slipped.
 const SHORTEST: f32 = 8.0;
 
@@ -41,7 +43,6 @@ pub(crate) enum Done {
     Turned(usize),
 }
 
-#[derive(Default)]
 pub(crate) struct Canvas {
     pub(crate) view: View,
     pub(crate) overlays: Overlays,
@@ -51,6 +52,22 @@ pub(crate) struct Canvas {
     panned: bool,
     mask: MaskPicture,
     brush: Brush,
+    /// Where the tools lie.
+    tools: Rect,
+}
+
+impl Default for Canvas {
+    fn default() -> Self {
+        Self {
+            view: View::default(),
+            overlays: Overlays::default(),
+            stroke: None,
+            panned: false,
+            mask: MaskPicture::default(),
+            brush: Brush::default(),
+            tools: Rect::NOTHING,
+        }
+    }
 }
 
 /// What the canvas shows.
@@ -124,7 +141,6 @@ impl Canvas {
         } else if shown.document.limbs.is_empty() && self.stroke.is_none() {
             hint(&painter, panel, texts::DRAW_HINT);
         }
-        done.retain(|d| !matches!(d, Done::Drew(points) if length(points) * placed.scale < SHORTEST));
         done
     }
 
@@ -157,46 +173,29 @@ impl Canvas {
     /// Draws and selects.
     fn hand(&mut self, ui: &Ui, response: &Response, placed: Placement, shown: &Shown<'_>) -> Vec<Done> {
         let mut done = Vec::new();
-        let space = ui.input(|i| i.key_down(Key::Space));
-        if response.drag_started_by(PointerButton::Primary) && !space {
-            let from = ui.input(|i| i.pointer.press_origin());
-            let meet = |at| meeting(placed, shown, at).filter(|_| !self.brush.paints());
-            self.stroke = from.map(|at| vec![meet(at).unwrap_or(placed.to_picture(at))]);
-            self.brush.begin();
+        self.brush.hear(ui);
+        // The events themselves: of a stroke that lies within one slow frame, nothing else is left.
+        for event in ui.input(|i| i.events.clone()) {
+            match event {
+                Event::PointerButton { pos, button: PointerButton::Primary, pressed: true, .. } => {
+                    self.stroke = self.begins(ui, response, pos).then(|| {
+                        self.brush.begin();
+                        let met = meeting(placed, shown, pos).filter(|_| !self.brush.paints());
+                        vec![met.unwrap_or(placed.to_picture(pos))]
+                    });
+                }
+                Event::PointerMoved(at) => self.go_on(placed, at),
+                Event::PointerButton { pos, button: PointerButton::Primary, pressed: false, .. } => {
+                    self.go_on(placed, pos);
+                    let stroke = self.stroke.take().unwrap_or_default();
+                    done.extend(self.ended(placed, shown, stroke));
+                }
+                _ => {}
+            }
         }
-        if let Some(stroke) = &mut self.stroke {
-            self.brush.hear(ui);
-            let moves: Vec<Pos2> = ui.input(|i| {
-                let moved = |e: &eframe::egui::Event| match e {
-                    eframe::egui::Event::PointerMoved(at) => Some(*at),
-                    _ => None,
-                };
-                i.events.iter().filter_map(moved).collect()
-            });
-            for at in moves {
-                let last = stroke.last().map(|p| placed.to_screen(*p));
-                if last.is_none_or(|last| last.distance(at) >= STEP) {
-                    stroke.push(placed.to_picture(at));
-                }
-            }
-            if response.drag_stopped_by(PointerButton::Primary) {
-                let mut stroke = self.stroke.take().unwrap_or_default();
-                if self.brush.paints() {
-                    done.push(Done::Painted(self.brush.hint(stroke)));
-                    return done;
-                }
-                if let Some(last) = stroke.last_mut()
-                    && let Some(met) = meeting(placed, shown, placed.to_screen(*last))
-                {
-                    *last = met;
-                }
-                if stroke.len() >= 2 {
-                    done.push(Done::Drew(stroke));
-                }
-            } else if !response.dragged() {
-                // The button was let go where the window did not see it.
-                self.stroke = None;
-            }
+        if !ui.input(|i| i.pointer.primary_down()) {
+            // The button was let go where the window did not see it.
+            self.stroke = None;
         }
         if response.clicked_by(PointerButton::Primary)
             && let Some(at) = response.interact_pointer_pos()
@@ -214,6 +213,38 @@ impl Canvas {
             done.extend(end_at(placed, shown, at).map(Done::Turned));
         }
         done
+    }
+
+    /// Whether a stroke begins where the button was pressed: on the clip, and on nothing that lies over it.
+    fn begins(&self, ui: &Ui, response: &Response, at: Pos2) -> bool {
+        let layer = ui.ctx().layer_id_at(at).unwrap_or(response.layer_id);
+        // The panel's edges resize it.
+        let inside = response.rect.shrink(EDGE).contains(at) && !self.tools.contains(at);
+        let moves = ui.input(|i| i.key_down(Key::Space));
+        response.enabled() && layer == response.layer_id && inside && !moves && !Popup::is_any_open(ui.ctx())
+    }
+
+    fn go_on(&mut self, placed: Placement, at: Pos2) {
+        let Some(stroke) = &mut self.stroke else { return };
+        if stroke.last().is_none_or(|last| placed.to_screen(*last).distance(at) >= STEP) {
+            stroke.push(placed.to_picture(at));
+        }
+    }
+
+    /// What a stroke is, once it has ended; nothing where it was a click.
+    fn ended(&self, placed: Placement, shown: &Shown<'_>, mut stroke: Vec<(f32, f32)>) -> Option<Done> {
+        if length(&stroke) * placed.scale < SHORTEST {
+            return None;
+        }
+        if self.brush.paints() {
+            return Some(Done::Painted(self.brush.hint(stroke)));
+        }
+        if let Some(last) = stroke.last_mut()
+            && let Some(met) = meeting(placed, shown, placed.to_screen(*last))
+        {
+            *last = met;
+        }
+        Some(Done::Drew(stroke))
     }
 
     fn overlay(&self, painter: &Painter, placed: Placement, shown: &Shown<'_>) {
@@ -274,7 +305,7 @@ impl Canvas {
                 .fill(palette.panel.gamma_multiply(0.92))
                 .corner_radius(8)
                 .inner_margin(eframe::egui::Margin::symmetric(6, 3));
-            frame.show(ui, |ui| {
+            let tools = frame.show(ui, |ui| {
                 ui.horizontal(|ui| {
                     ui.spacing_mut().item_spacing.x = 2.0;
                     let Overlays { strokes, tracks, paths, mask } = &mut self.overlays;
@@ -315,6 +346,7 @@ impl Canvas {
                     }
                 });
             });
+            self.tools = tools.response.rect;
         });
         remove
     }

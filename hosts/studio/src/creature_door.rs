@@ -343,7 +343,12 @@ impl CreatureDoor {
     fn follow(&mut self) {
         let stale = self.document.tracked.is_some() && self.document.state.motion_outdated;
         // Following is a step too, after which nothing could be done again.
-        if !stale || self.document.redo.is_some() || self.running.is_some() || self.document.clip.is_none() || self.document.limbs.is_empty() {
+        if !stale
+            || self.document.redo.is_some()
+            || self.running.is_some()
+            || self.document.clip.is_none()
+            || self.document.limbs.is_empty()
+        {
             return;
         }
         // What is half drawn cannot be followed yet; making the creature says what is missing.

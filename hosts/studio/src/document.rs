@@ -381,11 +381,8 @@ fn tracked(motion: &Motion, limbs: &[Limb]) -> Result<Tracked> {
 /// The hints of a strokes.json, which is the only place that tells of them.
 fn painted(json: &str) -> HashMap<u64, Vec<Painted>> {
     let read: Strokes = serde_json::from_str(json).unwrap_or_default();
-    let hint = |hint: PaintEntry| Painted {
-        creature: hint.kind == "foreground",
-        radius: hint.radius,
-        points: hint.points,
-    };
+    let hint =
+        |hint: PaintEntry| Painted { creature: hint.kind == "foreground", radius: hint.radius, points: hint.points };
     let of = |key: KeyEntry| (key.frame, key.paint.into_iter().map(hint).collect());
     read.keyframes.into_iter().filter(|key| !key.paint.is_empty()).map(of).collect()
 }

@@ -34,9 +34,8 @@ pub(crate) fn show(ui: &mut Ui, of: &str, parameters: &[(PluginParameter, Value)
 
 /// Whether what it depends on has the value that it depends on.
 fn is_shown(parameter: &PluginParameter, all: &[(PluginParameter, Value)]) -> bool {
-    let met = |(name, wanted): &(String, f64)| {
-        all.iter().any(|(p, value)| p.id == *name && *value == Value::Number(*wanted))
-    };
+    let met =
+        |(name, wanted): &(String, f64)| all.iter().any(|(p, value)| p.id == *name && *value == Value::Number(*wanted));
     !parameter.hidden && parameter.visible_if.as_ref().is_none_or(met)
 }
 

@@ -107,10 +107,12 @@ mod tests {
         let mut play = Playback::new(10, 10.0, true);
         play.held = 2;
         play.toggle(0.0);
-        let shown: Vec<u64> = (0..12).map(|i| {
-            play.advance(0.05 + 0.1 * f64::from(i));
-            play.frame()
-        }).collect();
+        let shown: Vec<u64> = (0..12)
+            .map(|i| {
+                play.advance(0.05 + 0.1 * f64::from(i));
+                play.frame()
+            })
+            .collect();
         assert_eq!(shown, [0, 0, 2, 2, 4, 4, 6, 6, 8, 8, 0, 0]);
     }
 

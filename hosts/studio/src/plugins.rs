@@ -176,9 +176,12 @@ fn open(context: &Context, places: &Places) -> marey_binding::Result<()> {
     let text = |path: &Path| path.to_string_lossy().into_owned();
     let probe = places.probe.as_deref().map(text).unwrap_or_default();
     let options = match &places.plugin_cache {
-        Some(cache) => {
-            PluginOptions { environment: false, folders: vec![text(&places.plugins)], cache: &text(cache), probe: &probe }
-        }
+        Some(cache) => PluginOptions {
+            environment: false,
+            folders: vec![text(&places.plugins)],
+            cache: &text(cache),
+            probe: &probe,
+        },
         None => PluginOptions { environment: true, probe: &probe, ..PluginOptions::default() },
     };
     context.open_plugins(&options)

@@ -40,8 +40,7 @@ pub(crate) const SAVE_AS: &str = "Save the session";
 pub(crate) const EXPORT_TO: &str = "Export to";
 pub(crate) const CLIPS: &str = "Clips";
 pub(crate) const SESSIONS: &str = "Marey sessions";
-pub(crate) const NO_DIALOGS: &str =
-    "The desktop has no dialog for files here: it needs a portal or zenity. Type the path, ~ for your folder; or drop the \
+pub(crate) const NO_DIALOGS: &str = "The desktop has no dialog for files here: it needs a portal or zenity. Type the path, ~ for your folder; or drop the \
      file on the window.";
 pub(crate) const PATH: &str = "Path";
 pub(crate) const CHOOSE: &str = "Choose";
@@ -149,7 +148,8 @@ pub(crate) const ONION_BEFORE: &str = "Poses before";
 pub(crate) const ONION_AFTER: &str = "Poses after";
 pub(crate) const ONION_EVERY: &str = "Frames between";
 pub(crate) const HELD: &str = "Pictures are held";
-pub(crate) const HELD_HINT: &str = "On twos, each second picture is shown for two frames, as drawn animation is. For playing only.";
+pub(crate) const HELD_HINT: &str =
+    "On twos, each second picture is shown for two frames, as drawn animation is. For playing only.";
 
 // The creature.
 pub(crate) const VIEW3D_NAME: &str = "The creature in 3D";
@@ -218,7 +218,8 @@ pub(crate) const CUT_BY: &str = "It is cut out by";
 pub(crate) const BUILT_IN: &str = "what is built in";
 pub(crate) const BUILT_IN_ABOUT: &str = "The best of what was measured, on most clips";
 pub(crate) const ALL_PLUGINS: &str = "All plugins…";
-pub(crate) const PLUGIN_GONE: &str = "This plugin is not there, or is switched off. Choose another, or look at all plugins.";
+pub(crate) const PLUGIN_GONE: &str =
+    "This plugin is not there, or is switched off. Choose another, or look at all plugins.";
 
 // Keys.
 pub(crate) const GROUP_SESSION: &str = "SESSION";

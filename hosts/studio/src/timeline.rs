@@ -1,9 +1,8 @@
 //! The clip in time: small pictures, key frames as diamonds, where it is unsure, and what plays.
 
 use eframe::egui::{
-    Align, Align2, Color32, ComboBox, EventFilter, FontId, Key, Layout, Modifiers, Popup, PopupCloseBehavior, Pos2, Rect,
-    Response, RichText, Sense, Shape, Stroke, StrokeKind, Ui, WidgetInfo,
-    pos2, vec2,
+    Align, Align2, Color32, ComboBox, EventFilter, FontId, Key, Layout, Modifiers, Popup, PopupCloseBehavior, Pos2,
+    Rect, Response, RichText, Sense, Shape, Stroke, StrokeKind, Ui, WidgetInfo, pos2, vec2,
 };
 
 use crate::document::Document;

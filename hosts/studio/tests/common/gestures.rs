@@ -7,7 +7,9 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::NodeT as _;
 use marey_studio::Studio;
 use marey_studio::egui::accesskit::Role;
-use marey_studio::egui::{Event, Key, Modifiers, MouseWheelSource, MouseWheelUnit, PointerButton, Pos2, TouchPhase, pos2, vec2};
+use marey_studio::egui::{
+    Event, Key, Modifiers, MouseWheelSource, MouseWheelUnit, PointerButton, Pos2, TouchPhase, pos2, vec2,
+};
 
 use super::Dropped;
 

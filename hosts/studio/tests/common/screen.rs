@@ -165,7 +165,8 @@ impl Screen {
     /// Draws along places of the clip, in the window and at the desk.
     pub fn draw(&mut self, points: &[(f32, f32)]) {
         let edge = vec2(EDGE as f32, EDGE as f32);
-        let at: Vec<Pos2> = points.iter().map(|p| self.desk().harness.state().open().unwrap().on_screen(*p) - edge).collect();
+        let at: Vec<Pos2> =
+            points.iter().map(|p| self.desk().harness.state().open().unwrap().on_screen(*p) - edge).collect();
         let mut words = place(at[0]);
         words.extend(["sleep", "0.05", "mousedown", "1"].map(str::to_owned));
         for pair in at.windows(2) {
