@@ -10,12 +10,10 @@ use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use common::gestures::{Chance, drew, drop_file, gesture};
+use egui_kittest::kittest::Queryable as _;
 use egui_kittest::{Harness, TestRenderer};
 use marey_studio::Studio;
-use marey_studio::egui::{Context, FullOutput, Key, Modifiers, TextureId, TexturesDelta};
-
-const CTRL: Modifiers = Modifiers::COMMAND;
-const CTRL_SHIFT: Modifiers = Modifiers::COMMAND.plus(Modifiers::SHIFT);
+use marey_studio::egui::{Context, FullOutput, Key, TextureId, TexturesDelta};
 
 /// Gestures from one look at the undo history to the next, and from one look at the memory to the next.
 const LOOKS: (u64, u64) = (100, 1000);
@@ -108,15 +106,18 @@ fn live(seed: u64, count: u64) {
     }
 }
 
-fn press(harness: &mut Harness<'static, Studio>, modifiers: Modifiers, key: Key) {
-    harness.key_press_modifiers(modifiers, key);
+/// Clicks on a button of the bar: which keys are whose may have been changed.
+fn click(harness: &mut Harness<'static, Studio>, label: &str) {
+    let button = harness.query_all_by_label_contains(label).next();
+    button.unwrap_or_else(|| panic!("no {label}")).click();
     harness.run_steps(3);
 }
 
 /// Lets go of dialogs, lists and texts, and waits for jobs.
 fn settle(harness: &mut Harness<'static, Studio>) {
     for _ in 0..6 {
-        press(harness, Modifiers::NONE, Key::Escape);
+        harness.key_press(Key::Escape);
+        harness.run_steps(3);
     }
     let began = Instant::now();
     while harness.state().open().is_some_and(|o| o.is_busy()) {
@@ -140,20 +141,23 @@ fn undo_and_redo(harness: &mut Harness<'static, Studio>, chance: &mut Chance, cl
     drew(harness, chance);
     settle(harness);
     let print = |harness: &Harness<'static, Studio>| harness.state().open().unwrap().fingerprint().unwrap();
-    let mut states = vec![print(harness)];
+    let label = |harness: &Harness<'static, Studio>| format!("{:?}", harness.state().open().unwrap().steps());
+    let (mut states, mut labels) = (vec![print(harness)], vec![label(harness)]);
     for _ in 0..=chance.below(8) {
         if harness.state().open().unwrap().steps().0.is_none() {
             break;
         }
         let before = harness.state().open().unwrap().gestures();
-        press(harness, CTRL, Key::Z);
+        click(harness, "Undo: ");
         assert!(harness.state().open().unwrap().gestures() > before, "undo does nothing");
         states.push(print(harness));
+        labels.push(label(harness));
     }
     for state in states.iter().rev().skip(1) {
         assert!(harness.state().open().unwrap().steps().1.is_some(), "what was undone cannot be done again");
-        press(harness, CTRL_SHIFT, Key::Z);
-        assert_eq!(print(harness), *state);
+        click(harness, "Redo: ");
+        let now = label(harness);
+        assert_eq!(print(harness), *state, "undone and done again: {labels:?}, now {now}");
     }
     settle(harness);
     states.len() - 1
@@ -162,7 +166,9 @@ fn undo_and_redo(harness: &mut Harness<'static, Studio>, chance: &mut Chance, cl
 /// Goes back to the start, and clears away what was left unsaved: a list of thousands is no leak.
 fn leave(harness: &mut Harness<'static, Studio>, folder: &Path) {
     settle(harness);
-    press(harness, CTRL, Key::W);
+    if harness.state().open().is_some() {
+        click(harness, "To the start");
+    }
     assert!(harness.state().open().is_none());
     for left in std::fs::read_dir(folder.join("data/unsaved")).unwrap() {
         std::fs::remove_file(left.unwrap().path()).unwrap();

@@ -31,6 +31,13 @@ pub struct Screen {
     folder: PathBuf,
 }
 
+/// A widget as the desk shows it.
+pub struct Look {
+    label: String,
+    pub rect: Rect,
+    picture: RgbImage,
+}
+
 impl Screen {
     /// An X server and a desk; none, with the reason printed, where there is no software for it.
     pub fn new() -> Option<Self> {
@@ -126,27 +133,48 @@ impl Screen {
         image::DynamicImage::from(cut).to_rgb8()
     }
 
-    /// Waits until the window shows a widget where the desk does; gives its place in the window.
-    pub fn see(&mut self, label: &str) -> Rect {
+    /// How a widget looks at the desk, and where it is in the window.
+    pub fn look(&mut self, label: &str) -> Look {
         let rect = self.desk().harness.get_by_label(label).rect().translate(-vec2(EDGE as f32, EDGE as f32));
-        let reference = self.reference();
-        reference.save(std::env::temp_dir().join("marey-studio-desk.png")).unwrap();
-        self.wait(&format!("`{label}` in the window"), |screen| alike(&screen.picture(), &reference, rect));
-        rect
+        Look { label: label.to_owned(), rect, picture: self.reference() }
+    }
+
+    /// Waits until the window shows a widget so, there.
+    pub fn see_as(&mut self, look: &Look) {
+        let began = Instant::now();
+        let Look { label, rect, picture } = look;
+        while !alike(&self.picture(), picture, *rect) {
+            if began.elapsed() > PATIENCE {
+                picture.save(std::env::temp_dir().join("marey-studio-desk.png")).unwrap();
+            }
+            self.go_on(began, &format!("`{label}` in the window"));
+        }
+    }
+
+    /// Waits until the window shows a widget where the desk does, and as the desk does.
+    pub fn see(&mut self, label: &str) -> Rect {
+        let look = self.look(label);
+        self.see_as(&look);
+        look.rect
     }
 
     /// Lets time pass until something is so.
     pub fn wait(&mut self, what: &str, so: impl Fn(&Self) -> bool) {
         let began = Instant::now();
         while !so(self) {
-            let ended = self.studio.as_mut().and_then(|studio| studio.try_wait().unwrap());
-            if ended.is_some() || began.elapsed() > PATIENCE {
-                let picture = std::env::temp_dir().join("marey-studio-window.png");
-                self.save(&picture);
-                panic!("waited for {what}; {ended:?}; {}; {}", picture.display(), self.log());
-            }
-            std::thread::sleep(Duration::from_millis(30));
+            self.go_on(began, what);
         }
+    }
+
+    /// Lets a moment pass; fails when it was enough of them.
+    fn go_on(&mut self, began: Instant, what: &str) {
+        let ended = self.studio.as_mut().and_then(|studio| studio.try_wait().unwrap());
+        if ended.is_some() || began.elapsed() > PATIENCE {
+            let picture = std::env::temp_dir().join("marey-studio-window.png");
+            self.save(&picture);
+            panic!("waited for {what}; {ended:?}; {}; {}", picture.display(), self.log());
+        }
+        std::thread::sleep(Duration::from_millis(30));
     }
 
     /// Clicks on a widget, in the window and at the desk.
