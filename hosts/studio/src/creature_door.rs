@@ -11,7 +11,7 @@ use marey_binding::{Creature, Facing, Masks};
 
 use crate::around::Around;
 use crate::canvas::{self, Canvas, Shown};
-use crate::document::Document;
+use crate::document::{Document, Limb};
 use crate::export::{self, ExportDialog, Exported};
 use crate::frames::Frames;
 use crate::icons::Icon;
@@ -393,14 +393,21 @@ impl CreatureDoor {
 
     fn edit_limb(&mut self, asked: limbs_panel::Asked, frame: u64, around: &mut Around) {
         let document = &mut self.document;
-        let label = |document: &Document, limb: usize| document.limbs[limb].label.clone();
+        // It may be gone: a name that was being typed comes when its field has been left, by an undo too.
+        let of = |document: &Document, limb: usize| document.limbs.get(limb).cloned();
         let edited = match asked {
             limbs_panel::Asked::Select(limb) => {
                 self.selected = limb;
                 return;
             }
-            limbs_panel::Asked::Name(limb, name) => document.set_limb(limb, &name, document.limbs[limb].side),
-            limbs_panel::Asked::Side(limb, side) => document.set_limb(limb, &label(document, limb), side),
+            limbs_panel::Asked::Name(limb, name) => {
+                let Some(Limb { side, .. }) = of(document, limb) else { return };
+                document.set_limb(limb, &name, side)
+            }
+            limbs_panel::Asked::Side(limb, side) => {
+                let Some(Limb { label, .. }) = of(document, limb) else { return };
+                document.set_limb(limb, &label, side)
+            }
             limbs_panel::Asked::Facing(limb, facing) => document.set_facing(limb, frame, facing),
             limbs_panel::Asked::RemoveStroke(limb) => document.remove_stroke(limb, frame),
             limbs_panel::Asked::RemoveLimb(limb) => {

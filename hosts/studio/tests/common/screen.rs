@@ -18,7 +18,7 @@ use marey_studio::egui::{Key, Modifiers, Pos2, Rect, vec2};
 use crate::common::{Desk, EDGE, SIZE};
 
 /// Longer than anything here takes on a slow machine.
-const PATIENCE: Duration = Duration::from_secs(90);
+const PATIENCE: Duration = Duration::from_secs(240);
 /// So much may the mean of a channel differ, of 255: two drivers draw the edges of letters a little otherwise.
 const ALIKE: f64 = 5.0;
 
@@ -111,6 +111,14 @@ impl Screen {
         std::fs::read_to_string(self.folder.join("studio.log")).unwrap_or_default()
     }
 
+    /// Seconds that the program has worked for, all its threads together; none where the system does not say.
+    pub fn worked(&self) -> Option<f64> {
+        let stat = std::fs::read_to_string(format!("/proc/{}/stat", self.studio.as_ref()?.id())).ok()?;
+        // Behind its name in brackets; in hundredths.
+        let fields: Vec<f64> = stat.rsplit(')').next()?.split_whitespace().map(|f| f.parse().unwrap_or(0.0)).collect();
+        Some((fields.get(11)? + fields.get(12)?) / 100.0)
+    }
+
     /// What the window shows. The server keeps it in a file, an XWD: a header of big-endian words, colours, rows of BGRX.
     pub fn picture(&self) -> RgbImage {
         let file = std::fs::read(self.folder.join("Xvfb_screen0")).unwrap();
@@ -139,15 +147,19 @@ impl Screen {
         Look { label: label.to_owned(), rect, picture: self.reference() }
     }
 
-    /// Waits until the window shows a widget so, there.
+    /// Whether the window shows a widget so, there.
+    pub fn shows(&self, look: &Look) -> bool {
+        alike(&self.picture(), &look.picture, look.rect)
+    }
+
+    /// Waits until it does.
     pub fn see_as(&mut self, look: &Look) {
         let began = Instant::now();
-        let Look { label, rect, picture } = look;
-        while !alike(&self.picture(), picture, *rect) {
+        while !self.shows(look) {
             if began.elapsed() > PATIENCE {
-                picture.save(std::env::temp_dir().join("marey-studio-desk.png")).unwrap();
+                look.picture.save(std::env::temp_dir().join("marey-studio-desk.png")).unwrap();
             }
-            self.go_on(began, &format!("`{label}` in the window"));
+            self.go_on(began, &format!("`{}` in the window", look.label));
         }
     }
 
