@@ -40,7 +40,8 @@ cargo xtask COMMAND
   cancels            how soon jobs end when cancelled, at a hundred moments, and what a call costs (release build,
                      quiet machine)
   studio [GESTURES [SEED]]
-                     the studio killed at fifty moments, and used by random gestures, a hundred thousand by default
+                     the studio killed at fifty moments, used by random gestures, a hundred thousand by default, and what a
+                     clip and a sample take a person
                      (release build)
   measure DATA ...   the table of scores on a data folder (release build)
   retrack DATA ...   what a corrected stroke costs, on the same folder (release build)
@@ -63,7 +64,7 @@ fn main() -> Result<()> {
         shell::say(HELP);
         return Ok(());
     };
-    if ["test", "docs", "soak", "c-host"].contains(&command.as_str()) {
+    if ["test", "docs", "soak", "c-host", "studio"].contains(&command.as_str()) {
         system::ensure()?;
     }
     match command.as_str() {

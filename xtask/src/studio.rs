@@ -1,5 +1,5 @@
-//! `cargo xtask studio [GESTURES [SEED]]`: kills the studio at fifty random moments, and uses it by random gestures, in the
-//! release build.
+//! `cargo xtask studio [GESTURES [SEED]]`: what takes long about the studio, in the release build: killed at fifty random
+//! moments, used by random gestures, and what a person's clip and a sample take.
 
 use anyhow::{Result, ensure};
 
@@ -12,18 +12,9 @@ pub(crate) fn run(args: &[String]) -> Result<()> {
     ensure!(args.len() < 3 && numbers, "usage: cargo xtask studio [GESTURES [SEED]]");
     let mut tests = cargo();
     tests.env("GESTURES", gestures).env("SEED", seed);
-    tests.args([
-        "test",
-        "--release",
-        "--locked",
-        "--package",
-        "marey-studio",
-        "--test",
-        "kills",
-        "--test",
-        "chance",
-        "--test",
-        "person",
-    ]);
+    tests.args(["test", "--release", "--locked", "--package", "marey-studio"]);
+    for name in ["kills", "person", "window", "chance"] {
+        tests.args(["--test", name]);
+    }
     shell::run(tests.args(["--", "--include-ignored", "--nocapture", "--test-threads", "1"]))
 }

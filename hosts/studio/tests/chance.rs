@@ -92,7 +92,10 @@ fn live(seed: u64, count: u64) {
             memory.push(resident());
             let threads = std::fs::read_dir("/proc/self/task").map_or(0, Iterator::count);
             let (texture, resident) = (held as f64 / 1e6, memory.last().unwrap());
-            println!("{number} gestures, {:.0?}, {resident:.0} MB, textures {texture:.0} MB, {threads} threads", began.elapsed());
+            println!(
+                "{number} gestures, {:.0?}, {resident:.0} MB, textures {texture:.0} MB, {threads} threads",
+                began.elapsed()
+            );
             assert!(texture < 400.0, "textures are held");
         }
     }
