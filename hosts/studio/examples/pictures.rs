@@ -17,7 +17,7 @@ use image::codecs::jpeg::JpegEncoder;
 use marey_studio::egui::{Key, Modifiers, Theme};
 
 /// What the page shows.
-const DOCS: [&str; 6] = ["start", "drawing", "creature", "onion", "plugins", "export"];
+const DOCS: [&str; 4] = ["start", "drawing", "creature", "export"];
 
 fn main() {
     let folder = PathBuf::from(std::env::args().nth(1).unwrap_or_else(|| ".".into()));
