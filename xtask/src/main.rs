@@ -16,6 +16,7 @@ mod prints;
 mod reference;
 mod sample;
 mod shell;
+mod studio;
 mod system;
 mod test;
 mod validator;
@@ -38,6 +39,10 @@ cargo xtask COMMAND
                      random calls on the C library under sanitizers, a million by default (release build)
   cancels            how soon jobs end when cancelled, at a hundred moments, and what a call costs (release build,
                      quiet machine)
+  studio [GESTURES [SEED]]
+                     the studio killed at fifty moments, used by random gestures, a hundred thousand by default, and what a
+                     clip and a sample take a person
+                     (release build)
   measure DATA ...   the table of scores on a data folder (release build)
   retrack DATA ...   what a corrected stroke costs, on the same folder (release build)
   alternatives DATA ...
@@ -59,7 +64,7 @@ fn main() -> Result<()> {
         shell::say(HELP);
         return Ok(());
     };
-    if ["test", "docs", "soak", "c-host"].contains(&command.as_str()) {
+    if ["test", "docs", "soak", "c-host", "studio"].contains(&command.as_str()) {
         system::ensure()?;
     }
     match command.as_str() {
@@ -75,6 +80,7 @@ fn main() -> Result<()> {
         "c-host" => c_host::run(rest),
         "cancels" => cancels::run(),
         "players" => players::run(rest),
+        "studio" => studio::run(rest),
         "prints" => prints::run(rest),
         "gallery" => gallery::gallery(rest),
         "validate" => validator::run(rest),

@@ -1,4 +1,4 @@
-//! System programs that the tests use: found, installed where that can be done without asking, or named.
+//! System programs and libraries that the tests use: found, installed where that can be done without asking, or named.
 
 use anyhow::{Result, bail};
 
@@ -29,8 +29,29 @@ const NEEDED: [Needed; 11] = [
 const DRIVER: Needed =
     Needed { program: "a Vulkan driver", package: "mesa-vulkan-drivers", why: "draws as a GPU does, without one" };
 
+/// What shows windows without a screen, and the hands that use them.
+#[cfg(target_os = "linux")]
+const DISPLAY: [Needed; 5] = [
+    Needed { program: "Xvfb", package: "xvfb", why: "shows the studio's window without a screen" },
+    Needed { program: "xdotool", package: "xdotool", why: "uses the studio by mouse and keyboard" },
+    Needed { program: "libxkbcommon-x11.so.0", package: "libxkbcommon-x11-0", why: "reads the keyboard for windows" },
+    Needed { program: "libXcursor.so.1", package: "libxcursor1", why: "shows the mouse in windows" },
+    Needed { program: "libXi.so.6", package: "libxi6", why: "reads the mouse for windows" },
+];
+/// Other systems have one.
+#[cfg(not(target_os = "linux"))]
+const DISPLAY: [Needed; 0] = [];
+
 impl Needed {
     fn is_there(&self) -> bool {
+        if self.program.contains(".so.") {
+            return library_is_there(self.program);
+        }
+        if self.program == "Xvfb" {
+            // It has no --version.
+            let path = std::env::var_os("PATH").unwrap_or_default();
+            return std::env::split_paths(&path).any(|folder| folder.join(self.program).is_file());
+        }
         if self.program != DRIVER.program {
             return has(self.program);
         }
@@ -41,13 +62,23 @@ impl Needed {
     }
 }
 
+/// Whether the loader would find a library.
+fn library_is_there(name: &str) -> bool {
+    ["/lib", "/usr/lib", "/lib64", "/usr/lib64", "/usr/local/lib"].iter().any(|folder| {
+        // Debian keeps them a folder deeper, by the machine's kind.
+        let deeper = std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
+        deeper.chain([folder.into()]).any(|folder| folder.join(name).is_file())
+    })
+}
+
 /// The browser that plays exports; large, so only who asks for players gets it.
 pub(crate) const BROWSER: &str = "chromium";
 
 /// Makes sure that every needed program is there: with apt-get as root, else by naming the packages.
 pub(crate) fn ensure() -> Result<()> {
     ensure_all(&NEEDED)?;
-    ensure_all(&[DRIVER])
+    ensure_all(&[DRIVER])?;
+    ensure_all(&DISPLAY)
 }
 
 /// The same for what plays exports.

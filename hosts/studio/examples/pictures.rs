@@ -1,7 +1,8 @@
 //! Pictures of the studio's screens: those of its page in the docs, or `all`, light and dark; of one door only where a
 //! third word is `creature`, `character` or `drawing`.
 //!
-//! `cargo run --release -p marey-studio --example pictures -- docs/pictures`
+//! `cargo run --release -p marey-studio --example pictures -- docs/pictures`, after `cargo build --release -p marey-flow-tracker
+//! -p marey-grab-cut`, whose plugins the pictures show.
 #![allow(clippy::print_stdout, reason = "it is what this is for")]
 #![allow(clippy::unwrap_used, reason = "a picture that cannot be made has failed")]
 
@@ -27,6 +28,13 @@ fn main() {
             continue;
         }
         let mut desk = Desk::in_folder(Arc::new(tempfile::tempdir().unwrap()), theme);
+        let plugins = desk.folder.path().join("data/plugins");
+        let built = std::env::current_exe().unwrap().parent().unwrap().join("..");
+        for name in ["libflow_tracker.so", "libgrab_cut.so"] {
+            // Without them there is a list without them.
+            let _ = std::fs::copy(built.join(name), plugins.join(name));
+        }
+        std::fs::write(plugins.join("half-built.so"), "no library yet").unwrap();
         let save = |desk: &mut Desk, name: &str| {
             if !(all || DOCS.contains(&name)) {
                 return;
@@ -99,6 +107,48 @@ fn creature(desk: &mut Desk, save: Save<'_>) {
     desk.click("Draw hind_near");
     desk.rest(1500);
     save(desk, "creature");
+    desk.harness.key_press(Key::Escape);
+    desk.harness.key_press(Key::O);
+    desk.rest(300);
+    save(desk, "onion");
+    desk.click("Onion skin: how much");
+    save(desk, "onion-settings");
+    desk.harness.key_press(Key::Escape);
+    desk.harness.run_steps(2);
+    desk.harness.key_press(Key::O);
+    desk.click("Paint what is the creature");
+    let along = [(300.0, 235.0), (350.0, 235.0), (420.0, 240.0)];
+    desk.draw(&along);
+    desk.click("Paint what is not the creature");
+    desk.press_along(&[(230.0, 330.0), (280.0, 335.0), (330.0, 332.0)]);
+    save(desk, "paint");
+    desk.harness.drop_at(desk.harness.state().open().unwrap().on_screen((330.0, 332.0)));
+    desk.harness.run_steps(3);
+    desk.harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    desk.harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    desk.harness.key_press(Key::D);
+    desk.harness.run_steps(3);
+    desk.click("How the creature is made");
+    save(desk, "methods");
+    if desk.harness.query_by_label("It is cut out by").is_some() {
+        desk.click("It is cut out by");
+        save(desk, "methods-list");
+        desk.harness.key_press(Key::Escape);
+        desk.harness.run_steps(3);
+    }
+    desk.harness.key_press(Key::Escape);
+    desk.harness.run_steps(3);
+    desk.click("Plugins");
+    desk.rest(300);
+    let settings = desk.harness.query_all_by_label_contains("Settings: ").map(|n| n.rect().center()).next();
+    if let Some(at) = settings {
+        desk.harness.hover_at(at);
+        desk.harness.drag_at(at);
+        desk.harness.drop_at(at);
+        desk.rest(400);
+    }
+    save(desk, "plugins");
+    desk.click("Close");
     desk.harness.key_press(Key::Num3);
     desk.harness.key_press(Key::Num4);
     desk.harness.key_press(Key::V);
@@ -119,10 +169,16 @@ fn creature(desk: &mut Desk, save: Save<'_>) {
     desk.harness.run_steps(3);
     desk.harness.key_press_modifiers(Modifiers::NONE, Key::F1);
     save(desk, "keys");
-    desk.harness.key_press(Key::Escape);
+    desk.click("Keys of Last frame: End");
+    desk.harness.key_press(Key::R);
     desk.harness.run_steps(3);
-
+    save(desk, "keys-taken");
+    desk.click("Close");
     desk.click("To the start");
+    desk.rest(300);
+    desk.click("Choose a clip…");
+    save(desk, "path");
+    desk.harness.key_press(Key::Escape);
     desk.harness.run_steps(3);
 }
 

@@ -10,15 +10,17 @@ use crate::character_door::CharacterDoor;
 use crate::creature_door::CreatureDoor;
 use crate::document::{Document, Door};
 use crate::drawing_door::DrawingDoor;
+use crate::help::Help;
 use crate::icons::Icon;
 use crate::notices::Notices;
 use crate::opening::{Opening, Source};
 use crate::picker::{Ask, Picker};
+use crate::plugins::Plugins;
 use crate::preferences::{Appearance, Preferences};
 use crate::shortcuts::{self, Command};
 use crate::start::{self, Start};
 use crate::theme::{self, Palette};
-use crate::{Places, help, texts, widgets};
+use crate::{Places, plugins_panel, texts, widgets};
 
 enum Screen {
     /// What there is to open is found out when it is shown.
@@ -58,7 +60,8 @@ pub struct Studio {
     screen: Screen,
     /// To be opened as soon as there is a window.
     first: Option<Source>,
-    help: bool,
+    help: Option<Help>,
+    plugins: bool,
     set_up: bool,
 }
 
@@ -71,11 +74,12 @@ impl Studio {
         let written = preferences.clone();
         let (notices, picker) = (Notices::default(), Picker::default());
         Ok(Self {
-            around: Around { context, places, preferences, notices, picker },
+            around: Around { context, places, preferences, notices, picker, plugins: None },
             written,
             screen: Screen::Start(None),
             first: None,
-            help: false,
+            help: None,
+            plugins: false,
             set_up: false,
         })
     }
@@ -96,12 +100,20 @@ impl Studio {
         self.first = Some(Source::Picture(path.to_owned()));
     }
 
+    /// Asks for files in the window, whether the system has dialogs for it or not.
+    pub fn ask_for_paths(&mut self) {
+        self.around.picker.here = true;
+    }
+
     /// Draws everything, and does what was asked for. Call it for every picture of the window.
     pub fn ui(&mut self, ui: &mut Ui) {
         if !self.set_up {
             theme::apply(ui.ctx());
             theme::set_light(ui.ctx(), self.around.preferences.light);
+            shortcuts::choose(ui.ctx(), &self.around.preferences.keys);
             self.set_up = true;
+            let Around { context, places, preferences, .. } = &self.around;
+            self.around.plugins = Some(Plugins::start(ui.ctx(), context, places, &preferences.plugins));
             // The style of this picture was taken before.
             ui.set_style(ui.ctx().global_style());
         }
@@ -123,13 +135,17 @@ impl Studio {
             Screen::Opening(opening) => waiting(ui, &opening.source),
             Screen::Creature(door) => {
                 door.show(ui, &mut self.around);
+                self.plugins |= std::mem::take(&mut door.wants_plugins);
             }
             Screen::Character(door) => door.show(ui, &mut self.around),
             Screen::Drawing(door) => door.show(ui, &mut self.around),
         }
-        if self.help {
-            self.help = help::show(ui.ctx());
+        if let Some(help) = &mut self.help
+            && !help.show(ui.ctx(), &mut self.around.preferences.keys)
+        {
+            self.help = None;
         }
+        self.show_plugins(ui.ctx());
         drop_target(ui);
         self.around.notices.show(ui.ctx());
         if self.around.preferences != self.written {
@@ -157,6 +173,25 @@ impl Studio {
         self.screen.document().map(|document| Open(&self.screen, document))
     }
 
+    /// What is new about plugins, and the list of them while it is open.
+    fn show_plugins(&mut self, gui: &egui::Context) {
+        let Some(plugins) = &mut self.around.plugins else { return };
+        for line in plugins.update() {
+            match line {
+                Ok(done) => self.around.notices.done(done),
+                Err(failed) => self.around.notices.failed(failed),
+            }
+        }
+        if self.plugins {
+            let folder = self.around.places.plugins.to_string_lossy();
+            let (asked, open) = plugins_panel::show(gui, plugins, &folder);
+            self.plugins = open;
+            if let Some(ask) = asked {
+                plugins.ask(ask, &mut self.around.preferences.plugins);
+            }
+        }
+    }
+
     /// What came from other threads and from outside.
     fn receive(&mut self, ui: &Ui) {
         if let Some(source) = self.first.take() {
@@ -167,7 +202,7 @@ impl Studio {
         for path in dropped {
             self.take_file(&path, None, ui.ctx());
         }
-        if let Some((ask, path)) = self.around.picker.answer() {
+        if let Some((ask, path)) = self.around.picker.show(ui.ctx(), &self.around.places.home) {
             match (&ask, &mut self.screen) {
                 (Ask::DrawingClip, _) => self.open_source(Source::DrawingClip(path), ui.ctx()),
                 (Ask::Picture, Screen::Start(_)) => self.open_source(Source::Picture(path), ui.ctx()),
@@ -243,7 +278,8 @@ impl Studio {
 
     fn open_source(&mut self, source: Source, gui: &egui::Context) {
         self.leave();
-        self.screen = Screen::Opening(Opening::start(gui, &self.around.context, &self.around.places, source));
+        let plugins = self.around.plugins.as_ref().map(Plugins::first_look).unwrap_or_default();
+        self.screen = Screen::Opening(Opening::start(gui, &self.around.context, &self.around.places, plugins, source));
     }
 
     fn leave(&mut self) {
@@ -279,7 +315,8 @@ impl Studio {
         match command {
             Command::OpenClip => self.around.picker.ask(gui, Ask::Clip),
             Command::Open => self.around.picker.ask(gui, Ask::Session),
-            Command::Help => self.help = true,
+            Command::Help => self.help = Some(Help::default()),
+            Command::Plugins => self.plugins = true,
             Command::Light => {
                 let light = if gui.theme() == egui::Theme::Dark { Appearance::Light } else { Appearance::Dark };
                 self.around.preferences.light = light;
@@ -327,6 +364,7 @@ impl Studio {
                     };
                     button(ui, Icon::Help, texts::SHORTCUTS, Command::Help);
                     button(ui, Icon::Sun, texts::LIGHT, Command::Light);
+                    button(ui, Icon::Plug, texts::PLUGINS, Command::Plugins);
                     ui.add_space(8.0);
                     self.screen.show_steps(ui, &mut self.around);
                 });
@@ -379,6 +417,12 @@ impl Open<'_> {
     /// The character's joints.
     pub fn joints(&self) -> Vec<(String, (f32, f32))> {
         if let Screen::Character(door) = self.0 { door.joints() } else { Vec::new() }
+    }
+
+    /// Where a limb was tracked on a frame, in clip pixels.
+    pub fn tracked(&self, limb: usize, frame: u64) -> Option<&[(f32, f32)]> {
+        let frames = self.1.tracked.as_ref()?.limbs.get(limb)?;
+        frames.get(frame as usize).map(|f| &f.points[..])
     }
 
     /// The frame that is shown.
@@ -438,6 +482,24 @@ impl Open<'_> {
     /// Whether limbs are to be tracked, for the first time or again.
     pub fn is_motion_outdated(&self) -> bool {
         self.1.state.motion_outdated
+    }
+
+    /// How many gestures were finished in the session, undo and redo included.
+    pub fn gestures(&self) -> u64 {
+        self.1.state.gestures
+    }
+
+    /// A number that is the same for sessions that are alike to the last bit.
+    ///
+    /// # Errors
+    /// The library fails.
+    pub fn fingerprint(&self) -> Result<u64, String> {
+        self.1.fingerprint().map_err(|e| e.to_string())
+    }
+
+    /// What undo would take back, and what redo would do again.
+    pub fn steps(&self) -> (Option<&str>, Option<&str>) {
+        (self.1.undo(), self.1.redo.as_deref())
     }
 
     /// Where a place of the clip, or of a character's picture, is on the screen.

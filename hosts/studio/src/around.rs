@@ -5,6 +5,7 @@ use marey_binding::Context;
 use crate::Places;
 use crate::notices::Notices;
 use crate::picker::Picker;
+use crate::plugins::Plugins;
 use crate::preferences::Preferences;
 
 pub(crate) struct Around {
@@ -13,4 +14,6 @@ pub(crate) struct Around {
     pub(crate) preferences: Preferences,
     pub(crate) notices: Notices,
     pub(crate) picker: Picker,
+    /// None before there is a window to tell.
+    pub(crate) plugins: Option<Plugins>,
 }

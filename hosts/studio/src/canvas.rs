@@ -1,13 +1,16 @@
 //! The clip with what is drawn on it: strokes by the pen, zoom at the cursor, pan by Space or the middle button.
 
 use eframe::egui::{
-    Color32, CursorIcon, Key, Painter, PointerButton, Pos2, Rect, Response, Role, Sense, Stroke, Ui, Vec2, WidgetInfo,
-    pos2, vec2,
+    Color32, CursorIcon, DragValue, Event, Key, Painter, PointerButton, Popup, Pos2, Rect, Response, Role, Sense,
+    Stroke, Ui, Vec2, WidgetInfo, pos2, vec2,
 };
 use marey_binding::Masks;
 
+use crate::brush::{self, Brush, Painted, RADII, Tool};
 use crate::document::Document;
 use crate::frames::Frames;
+use crate::icons::Icon;
+use crate::onion::Onion;
 use crate::overlay::{self, MaskPicture, Overlays};
 use crate::shortcuts::Command;
 use crate::theme::{self, Palette};
@@ -20,6 +23,8 @@ const MEET: f32 = 12.0;
 const NEAR: f32 = 10.0;
 /// Places of a stroke are so far apart, in points of the screen: finer than a hand is.
 const STEP: f32 = 2.0;
+/// The edges of a panel are taken hold of so far inside of it.
+const EDGE: f32 = 5.0;
 /// A shorter stroke is a click that slipped.
 const SHORTEST: f32 = 8.0;
 
@@ -28,11 +33,16 @@ const SHORTEST: f32 = 8.0;
 pub(crate) enum Done {
     /// Drew a stroke, in clip pixels.
     Drew(Vec<(f32, f32)>),
+    /// Painted a hint for cutting out.
+    Painted(Painted),
+    /// Takes all hints off the frame.
+    RemovePaint,
     /// Clicked on a limb, or beside all.
     Selected(Option<usize>),
+    /// Clicked on a stroke's end, to say how it lies to the camera.
+    Turned(usize),
 }
 
-#[derive(Default)]
 pub(crate) struct Canvas {
     pub(crate) view: View,
     pub(crate) overlays: Overlays,
@@ -41,6 +51,23 @@ pub(crate) struct Canvas {
     /// Space was held to pan with, so that letting it go does not play.
     panned: bool,
     mask: MaskPicture,
+    brush: Brush,
+    /// Where the tools lie.
+    tools: Rect,
+}
+
+impl Default for Canvas {
+    fn default() -> Self {
+        Self {
+            view: View::default(),
+            overlays: Overlays::default(),
+            stroke: None,
+            panned: false,
+            mask: MaskPicture::default(),
+            brush: Brush::default(),
+            tools: Rect::NOTHING,
+        }
+    }
 }
 
 /// What the canvas shows.
@@ -50,6 +77,9 @@ pub(crate) struct Shown<'a> {
     pub(crate) masks: Option<&'a Masks>,
     pub(crate) frame: u64,
     pub(crate) selected: Option<usize>,
+    pub(crate) onion: Onion,
+    /// Whether the first frame comes after the last.
+    pub(crate) looped: bool,
 }
 
 impl Canvas {
@@ -103,11 +133,14 @@ impl Canvas {
         }
         self.overlay(&painter, placed, shown);
         self.pen(&painter, &response, placed, shown);
-        self.toolbar(ui, panel, shown);
-        if shown.document.limbs.is_empty() && self.stroke.is_none() {
+        if self.toolbar(ui, panel, shown) {
+            done.push(Done::RemovePaint);
+        }
+        if self.brush.paints() {
+            hint(&painter, panel, texts::PAINT_HINT);
+        } else if shown.document.limbs.is_empty() && self.stroke.is_none() {
             hint(&painter, panel, texts::DRAW_HINT);
         }
-        done.retain(|d| !matches!(d, Done::Drew(points) if length(points) * placed.scale < SHORTEST));
         done
     }
 
@@ -140,50 +173,84 @@ impl Canvas {
     /// Draws and selects.
     fn hand(&mut self, ui: &Ui, response: &Response, placed: Placement, shown: &Shown<'_>) -> Vec<Done> {
         let mut done = Vec::new();
-        let space = ui.input(|i| i.key_down(Key::Space));
-        if response.drag_started_by(PointerButton::Primary) && !space {
-            let from = ui.input(|i| i.pointer.press_origin());
-            self.stroke = from.map(|at| vec![meeting(placed, shown, at).unwrap_or(placed.to_picture(at))]);
+        self.brush.hear(ui);
+        // The events themselves: of a stroke that lies within one slow frame, nothing else is left.
+        for event in ui.input(|i| i.events.clone()) {
+            match event {
+                Event::PointerButton { pos, button: PointerButton::Primary, pressed: true, .. } => {
+                    self.stroke = self.begins(ui, response, pos).then(|| {
+                        self.brush.begin();
+                        let met = meeting(placed, shown, pos).filter(|_| !self.brush.paints());
+                        vec![met.unwrap_or(placed.to_picture(pos))]
+                    });
+                }
+                Event::PointerMoved(at) => self.go_on(placed, at),
+                Event::PointerButton { pos, button: PointerButton::Primary, pressed: false, .. } => {
+                    self.go_on(placed, pos);
+                    let stroke = self.stroke.take().unwrap_or_default();
+                    done.extend(self.ended(placed, shown, stroke));
+                }
+                _ => {}
+            }
         }
-        if let Some(stroke) = &mut self.stroke {
-            let moves: Vec<Pos2> = ui.input(|i| {
-                let moved = |e: &eframe::egui::Event| match e {
-                    eframe::egui::Event::PointerMoved(at) => Some(*at),
-                    _ => None,
-                };
-                i.events.iter().filter_map(moved).collect()
-            });
-            for at in moves {
-                let last = stroke.last().map(|p| placed.to_screen(*p));
-                if last.is_none_or(|last| last.distance(at) >= STEP) {
-                    stroke.push(placed.to_picture(at));
-                }
-            }
-            if response.drag_stopped_by(PointerButton::Primary) {
-                let mut stroke = self.stroke.take().unwrap_or_default();
-                if let Some(last) = stroke.last_mut()
-                    && let Some(met) = meeting(placed, shown, placed.to_screen(*last))
-                {
-                    *last = met;
-                }
-                if stroke.len() >= 2 {
-                    done.push(Done::Drew(stroke));
-                }
-            } else if !response.dragged() {
-                // The button was let go where the window did not see it.
-                self.stroke = None;
-            }
+        if !ui.input(|i| i.pointer.primary_down()) {
+            // The button was let go where the window did not see it.
+            self.stroke = None;
         }
         if response.clicked_by(PointerButton::Primary)
             && let Some(at) = response.interact_pointer_pos()
         {
-            done.push(Done::Selected(limb_at(placed, shown, at)));
+            done.push(if self.brush.paints() {
+                self.brush.begin();
+                Done::Painted(self.brush.hint(vec![placed.to_picture(at)]))
+            } else {
+                Done::Selected(limb_at(placed, shown, at))
+            });
+        }
+        if response.clicked_by(PointerButton::Secondary)
+            && let Some(at) = response.interact_pointer_pos()
+        {
+            done.extend(end_at(placed, shown, at).map(Done::Turned));
         }
         done
     }
 
+    /// Whether a stroke begins where the button was pressed: on the clip, and on nothing that lies over it.
+    fn begins(&self, ui: &Ui, response: &Response, at: Pos2) -> bool {
+        let layer = ui.ctx().layer_id_at(at).unwrap_or(response.layer_id);
+        // The panel's edges resize it.
+        let inside = response.rect.shrink(EDGE).contains(at) && !self.tools.contains(at);
+        let moves = ui.input(|i| i.key_down(Key::Space));
+        response.enabled() && layer == response.layer_id && inside && !moves && !Popup::is_any_open(ui.ctx())
+    }
+
+    fn go_on(&mut self, placed: Placement, at: Pos2) {
+        let Some(stroke) = &mut self.stroke else { return };
+        if stroke.last().is_none_or(|last| placed.to_screen(*last).distance(at) >= STEP) {
+            stroke.push(placed.to_picture(at));
+        }
+    }
+
+    /// What a stroke is, once it has ended; nothing where it was a click.
+    fn ended(&self, placed: Placement, shown: &Shown<'_>, mut stroke: Vec<(f32, f32)>) -> Option<Done> {
+        if length(&stroke) * placed.scale < SHORTEST {
+            return None;
+        }
+        if self.brush.paints() {
+            return Some(Done::Painted(self.brush.hint(stroke)));
+        }
+        if let Some(last) = stroke.last_mut()
+            && let Some(met) = meeting(placed, shown, placed.to_screen(*last))
+        {
+            *last = met;
+        }
+        Some(Done::Drew(stroke))
+    }
+
     fn overlay(&self, painter: &Painter, placed: Placement, shown: &Shown<'_>) {
         let Shown { document, frame, selected, .. } = *shown;
+        brush::paint(painter, placed, document.painted(frame));
+        shown.onion.paint(painter, placed, document, frame, shown.looped);
         if self.overlays.paths {
             overlay::paths(painter, placed, document, frame, selected);
         }
@@ -200,6 +267,17 @@ impl Canvas {
 
     /// The stroke in the making, how long its limb is, and where a stroke would meet another.
     fn pen(&self, painter: &Painter, response: &Response, placed: Placement, shown: &Shown<'_>) {
+        if self.brush.paints() {
+            let radius = self.brush.width() * placed.scale;
+            if let Some(stroke) = &self.stroke {
+                let points: Vec<Pos2> = stroke.iter().map(|p| placed.to_screen(*p)).collect();
+                brush::band(painter, &points, radius, self.brush.color());
+            }
+            if let Some(at) = response.hover_pos() {
+                painter.circle_stroke(at, radius, Stroke::new(1.5, self.brush.color()));
+            }
+            return;
+        }
         let limb = shown.selected.unwrap_or(shown.document.limbs.len());
         let color = theme::limb(limb);
         if let Some(stroke) = &self.stroke {
@@ -216,8 +294,9 @@ impl Canvas {
         }
     }
 
-    /// What is shown, by words in a corner.
-    fn toolbar(&mut self, ui: &mut Ui, panel: Rect, shown: &Shown<'_>) {
+    /// What is shown, by words in a corner, and what the pen does; whether all paint of the frame is to go.
+    fn toolbar(&mut self, ui: &mut Ui, panel: Rect, shown: &Shown<'_>) -> bool {
+        let mut remove = false;
         let palette = Palette::of(ui);
         let at = Rect::from_min_size(panel.min + vec2(10.0, 10.0), vec2(panel.width() - 20.0, 36.0));
         let builder = eframe::egui::UiBuilder::new().max_rect(at);
@@ -226,7 +305,7 @@ impl Canvas {
                 .fill(palette.panel.gamma_multiply(0.92))
                 .corner_radius(8)
                 .inner_margin(eframe::egui::Margin::symmetric(6, 3));
-            frame.show(ui, |ui| {
+            let tools = frame.show(ui, |ui| {
                 ui.horizontal(|ui| {
                     ui.spacing_mut().item_spacing.x = 2.0;
                     let Overlays { strokes, tracks, paths, mask } = &mut self.overlays;
@@ -244,12 +323,32 @@ impl Canvas {
                         });
                     }
                     ui.add_space(4.0);
-                    if widgets::command_button(ui, crate::icons::Icon::Fit, texts::FIT, Command::Fit) {
+                    if widgets::command_button(ui, Icon::Fit, texts::FIT, Command::Fit) {
                         self.view.fit();
+                    }
+                    ui.add_space(4.0);
+                    for (tool, icon, text, command) in [
+                        (Tool::Limbs, Icon::Pencil, texts::TOOL_LIMBS, Command::ToolLimbs),
+                        (Tool::Creature, Icon::Brush, texts::TOOL_CREATURE, Command::ToolCreature),
+                        (Tool::Beside, Icon::Eraser, texts::TOOL_BESIDE, Command::ToolBeside),
+                    ] {
+                        let hint = shortcuts::hint(ui.ctx(), text, command);
+                        if widgets::plain_icon(ui, icon, text, self.brush.tool == tool).on_hover_text(hint).clicked() {
+                            self.brush.tool = tool;
+                        }
+                    }
+                    if self.brush.paints() {
+                        let radius = DragValue::new(&mut self.brush.radius).range(RADII.0..=RADII.1).suffix(" px");
+                        ui.add(radius.max_decimals(0)).accessible_name(texts::BRUSH).on_hover_text(texts::BRUSH);
+                    }
+                    if !shown.document.painted(shown.frame).is_empty() {
+                        remove = ui.button(texts::REMOVE_PAINT).clicked();
                     }
                 });
             });
+            self.tools = tools.response.rect;
         });
+        remove
     }
 
     /// Does what a key asked for; false for what is not the canvas's.
@@ -263,6 +362,11 @@ impl Canvas {
             Command::Tracks => self.overlays.tracks ^= true,
             Command::Paths => self.overlays.paths ^= true,
             Command::Mask => self.overlays.mask ^= true,
+            Command::ToolLimbs => self.brush.tool = Tool::Limbs,
+            Command::ToolCreature => self.brush.tool = Tool::Creature,
+            Command::ToolBeside => self.brush.tool = Tool::Beside,
+            Command::Narrower => self.brush.resize(1.0 / zoom),
+            Command::Wider => self.brush.resize(zoom),
             _ => return false,
         }
         true
@@ -275,6 +379,13 @@ fn meeting(placed: Placement, shown: &Shown<'_>, at: Pos2) -> Option<(f32, f32)>
     let ends = drawn.flat_map(|(_, s)| [s.points.first(), s.points.last()]).flatten();
     let distance = |p: &(f32, f32)| placed.to_screen(*p).distance(at);
     ends.copied().filter(|p| distance(p) <= MEET).min_by(|a, b| distance(a).total_cmp(&distance(b)))
+}
+
+/// The limb whose stroke on this frame ends at a place.
+fn end_at(placed: Placement, shown: &Shown<'_>, at: Pos2) -> Option<usize> {
+    let ends = shown.document.strokes_on(shown.frame);
+    let ends = ends.filter_map(|(limb, s)| Some((limb, placed.to_screen(*s.points.last()?).distance(at))));
+    ends.filter(|(_, far)| *far <= MEET).min_by(|a, b| a.1.total_cmp(&b.1)).map(|(limb, _)| limb)
 }
 
 /// The limb whose stroke or track is at a place.

@@ -22,7 +22,7 @@ use crate::icons::Icon;
 use crate::moving::{Moving, MovingPictures};
 use crate::picker::Ask;
 use crate::running::{Purpose, Running, Step};
-use crate::shortcuts::Command;
+use crate::shortcuts::{self, Command};
 use crate::theme::{self, Palette};
 use crate::view::View;
 use crate::workshop::{Watched, Workshop};
@@ -315,8 +315,8 @@ impl CharacterDoor {
             self.show_moving(ui, frame);
         });
         CentralPanel::default().frame(Frame::new()).show(ui, |ui| self.show_figure(ui, around));
-        if crate::shortcuts::play_released(ui.ctx()) && ui.memory(|m| m.focused().is_none()) {
-            self.shop.playback.toggle(ui.input(|i| i.time));
+        if let Some(command) = shortcuts::space_released(ui.ctx()).filter(|_| ui.memory(|m| m.focused().is_none())) {
+            self.command(command, ui.ctx(), around);
         }
         for command in asked {
             self.command(command, ui.ctx(), around);

@@ -7,13 +7,14 @@ use eframe::egui::{
     Align, CentralPanel, Context as Gui, Frame, Label, Layout, Margin, Panel, Pos2, ProgressBar, Rect, RichText, Ui,
     Vec2, vec2,
 };
-use marey_binding::{Creature, Masks};
+use marey_binding::{Creature, Facing, Masks};
 
 use crate::around::Around;
 use crate::canvas::{self, Canvas, Shown};
-use crate::document::{Document, Door};
+use crate::document::{Document, Door, Limb};
 use crate::export::{self, ExportDialog, Exported, ShownCreature};
 use crate::frames::Frames;
+use crate::icons::Icon;
 use crate::limbs_panel::{self, LimbsPanel};
 use crate::picker::Ask;
 use crate::playback::Playback;
@@ -22,7 +23,7 @@ use crate::shortcuts::Command;
 use crate::theme::{self, Palette};
 use crate::timeline::{self, Timeline};
 use crate::view3d::View3d;
-use crate::{shortcuts, texts, widgets};
+use crate::{methods, shortcuts, texts, widgets};
 
 /// A creature that was made, and the masks it was made of.
 #[derive(Debug)]
@@ -44,6 +45,10 @@ pub(crate) struct CreatureDoor {
     running: Option<Running>,
     made: Option<Made>,
     export: Option<ExportDialog>,
+    /// Whether it is shown by what the creature is made.
+    methods: bool,
+    /// Whether the list of plugins was asked for.
+    pub(crate) wants_plugins: bool,
     /// Where the canvas was on the screen.
     panel: Rect,
 }
@@ -68,9 +73,12 @@ impl CreatureDoor {
             running: None,
             made: None,
             export: None,
+            methods: false,
+            wants_plugins: false,
             panel: Rect::NOTHING,
             document,
         };
+        door.playback.held = around.preferences.held.max(1);
         door.playback.seek(door.document.keys.first().copied().unwrap_or(0), 0.0);
         if let Some((clip, info)) = &door.document.clip {
             door.frames = Some(Frames::new(gui, clip.clone(), info));
@@ -145,7 +153,8 @@ impl CreatureDoor {
         }
         let timeline = Panel::bottom("timeline").frame(plain).resizable(false).show(ui, |ui| {
             ui.set_min_height(timeline::HEIGHT - 36.0);
-            self.timeline.show(ui, &self.document, self.frames.as_ref(), &self.playback)
+            let onion = &mut around.preferences.onion;
+            self.timeline.show(ui, &self.document, self.frames.as_ref(), &self.playback, Some(onion))
         });
         let limbs = Panel::left("limbs")
             .frame(plain)
@@ -170,15 +179,23 @@ impl CreatureDoor {
                 masks: self.made.as_ref().map(|m| &m.masks),
                 frame,
                 selected: self.selected,
+                onion: around.preferences.onion,
+                looped: self.playback.looped,
             };
             self.canvas.show(ui, &shown)
         });
-        if shortcuts::play_released(ui.ctx()) && self.canvas.space_was_to_play() && ui.memory(|m| m.focused().is_none())
+        if let Some(command) = shortcuts::space_released(ui.ctx())
+            && self.canvas.space_was_to_play()
+            && ui.memory(|m| m.focused().is_none())
         {
-            self.command(Command::Play, ui.ctx(), around);
+            self.command(command, ui.ctx(), around);
         }
         for asked in timeline.inner {
             match asked {
+                timeline::Asked::Hold(frames) => {
+                    self.playback.held = frames;
+                    around.preferences.held = frames;
+                }
                 timeline::Asked::Seek(frame) => self.playback.seek(frame, now),
                 timeline::Asked::Do(command) => self.command(command, ui.ctx(), around),
                 timeline::Asked::MoveKey(from, to) => {
@@ -195,10 +212,39 @@ impl CreatureDoor {
         for done in done.inner {
             match done {
                 canvas::Done::Selected(limb) => self.selected = limb,
+                canvas::Done::Turned(limb) => self.turn(limb, frame, around),
+                canvas::Done::Painted(hint) => {
+                    self.playback.stop();
+                    around.notices.check(self.document.paint(frame, &hint));
+                }
+                canvas::Done::RemovePaint => {
+                    around.notices.check(self.document.remove_paint(frame));
+                }
                 canvas::Done::Drew(points) => self.draw(&points, frame, around),
             }
         }
         self.show_export(ui, around);
+        self.show_methods(ui, around);
+    }
+
+    /// By what the creature is made.
+    fn show_methods(&mut self, ui: &Ui, around: &mut Around) {
+        let Some(plugins) = around.plugins.as_mut().filter(|_| self.methods) else { return };
+        let (asked, open) = methods::show(ui.ctx(), &self.document, plugins);
+        self.methods = open;
+        match asked {
+            Some(methods::Asked::Use(step, id)) => {
+                let chosen = self.document.set_method(step, &id);
+                around.notices.check(chosen);
+                self.follow();
+            }
+            Some(methods::Asked::Plugin(ask)) => plugins.ask(ask, &mut around.preferences.plugins),
+            Some(methods::Asked::Plugins) => {
+                self.methods = false;
+                self.wants_plugins = true;
+            }
+            None => {}
+        }
     }
 
     /// The steps and what comes next, in the bar at the top.
@@ -212,15 +258,18 @@ impl CreatureDoor {
                 if widgets::primary_button(ui, texts::EXPORT).on_hover_text(export).clicked() {
                     self.command(Command::Export, ui.ctx(), around);
                 }
-                return;
+            } else {
+                // While it is made, the line below says how far it is.
+                let text = if made { texts::UPDATE } else { texts::MAKE };
+                if !busy && widgets::primary_button(ui, text).on_hover_text(make).clicked() {
+                    self.command(Command::Make, ui.ctx(), around);
+                }
+                if made && ui.button(texts::EXPORT).on_hover_text(export).clicked() {
+                    self.command(Command::Export, ui.ctx(), around);
+                }
             }
-            // While it is made, the line below says how far it is.
-            let text = if made { texts::UPDATE } else { texts::MAKE };
-            if !busy && widgets::primary_button(ui, text).on_hover_text(make).clicked() {
-                self.command(Command::Make, ui.ctx(), around);
-            }
-            if made && ui.button(texts::EXPORT).on_hover_text(export).clicked() {
-                self.command(Command::Export, ui.ctx(), around);
+            if widgets::command_button(ui, Icon::Sliders, texts::METHODS, Command::Methods) {
+                self.command(Command::Methods, ui.ctx(), around);
             }
         });
     }
@@ -264,11 +313,12 @@ impl CreatureDoor {
         let Some(running) = self.running.take() else { return };
         ui.ctx().request_repaint();
         match ended {
+            _ if running.given_up => {}
             Ended::Failed(error) => around.notices.failed(error),
             Ended::Cancelled => around.notices.done(texts::CANCELLED.into()),
             Ended::Done => match running.purpose {
                 Purpose::Creature => {
-                    let made = self.document.take(&running.job).and_then(|()| {
+                    let made = self.document.take(&running.job, true).and_then(|()| {
                         let (creature, masks) = (running.job.take_creature()?, running.job.take_masks()?);
                         Ok(Made { creature: Arc::new(creature), masks })
                     });
@@ -282,7 +332,7 @@ impl CreatureDoor {
                     }
                 }
                 Purpose::Track => {
-                    around.notices.check(self.document.take(&running.job));
+                    around.notices.check(self.document.take(&running.job, false));
                 }
                 Purpose::Export { path, .. } => around.notices.done(texts::exported(&path)),
                 Purpose::Step(_) => {}
@@ -294,7 +344,13 @@ impl CreatureDoor {
     /// Tracks anew what was corrected, beside the person who goes on. The first time is left to [`Command::Make`].
     fn follow(&mut self) {
         let stale = self.document.tracked.is_some() && self.document.state.motion_outdated;
-        if !stale || self.running.is_some() || self.document.clip.is_none() || self.document.limbs.is_empty() {
+        // Following is a step too, after which nothing could be done again.
+        if !stale
+            || self.document.redo.is_some()
+            || self.running.is_some()
+            || self.document.clip.is_none()
+            || self.document.limbs.is_empty()
+        {
             return;
         }
         // What is half drawn cannot be followed yet; making the creature says what is missing.
@@ -323,16 +379,37 @@ impl CreatureDoor {
         self.follow();
     }
 
+    /// What the end of a stroke says of the third dimension, one after the other.
+    fn turn(&mut self, limb: usize, frame: u64, around: &mut Around) {
+        let Some(stroke) = self.document.stroke(limb, frame) else { return };
+        let facing = match stroke.facing {
+            Facing::Unknown => Facing::Toward,
+            Facing::Toward => Facing::Away,
+            Facing::Away => Facing::Unknown,
+        };
+        let turned = self.document.set_facing(limb, frame, facing);
+        around.notices.check(turned);
+        self.selected = Some(limb);
+        self.follow();
+    }
+
     fn edit_limb(&mut self, asked: limbs_panel::Asked, frame: u64, around: &mut Around) {
         let document = &mut self.document;
-        let label = |document: &Document, limb: usize| document.limbs[limb].label.clone();
+        // It may be gone: a name that was being typed comes when its field has been left, by an undo too.
+        let of = |document: &Document, limb: usize| document.limbs.get(limb).cloned();
         let edited = match asked {
             limbs_panel::Asked::Select(limb) => {
                 self.selected = limb;
                 return;
             }
-            limbs_panel::Asked::Name(limb, name) => document.set_limb(limb, &name, document.limbs[limb].side),
-            limbs_panel::Asked::Side(limb, side) => document.set_limb(limb, &label(document, limb), side),
+            limbs_panel::Asked::Name(limb, name) => {
+                let Some(Limb { side, .. }) = of(document, limb) else { return };
+                document.set_limb(limb, &name, side)
+            }
+            limbs_panel::Asked::Side(limb, side) => {
+                let Some(Limb { label, .. }) = of(document, limb) else { return };
+                document.set_limb(limb, &label, side)
+            }
             limbs_panel::Asked::Facing(limb, facing) => document.set_facing(limb, frame, facing),
             limbs_panel::Asked::RemoveStroke(limb) => document.remove_stroke(limb, frame),
             limbs_panel::Asked::RemoveLimb(limb) => {
@@ -355,6 +432,10 @@ impl CreatureDoor {
             Command::Undo | Command::Redo => {
                 let done = if command == Command::Undo { self.document.undo_one() } else { self.document.redo_one() };
                 around.notices.check(done);
+                // It follows what may just have been taken back.
+                if let Some(running) = self.running.as_mut().filter(|r| r.purpose == Purpose::Track) {
+                    running.give_up();
+                }
                 self.selected = self.selected.filter(|limb| *limb < self.document.limbs.len());
                 self.follow();
             }
@@ -393,6 +474,12 @@ impl CreatureDoor {
                 self.playback.looped ^= true;
                 around.preferences.once = !self.playback.looped;
             }
+            Command::Onion => around.preferences.onion.on ^= true,
+            Command::Facing => {
+                if let Some(limb) = self.selected {
+                    self.turn(limb, frame, around);
+                }
+            }
             Command::NewLimb => self.selected = None,
             Command::NextLimb => {
                 let count = self.document.limbs.len();
@@ -406,6 +493,7 @@ impl CreatureDoor {
                 }
             }
             Command::Make if !self.is_making() => self.make(around),
+            Command::Methods => self.methods = true,
             Command::Export => {
                 if self.made.is_none() {
                     around.notices.failed(texts::MAKE_FIRST);
@@ -514,6 +602,8 @@ impl CreatureDoor {
             around.notices.failed(texts::MAKE_FIRST);
             return;
         };
+        // What was typed may be a name alone.
+        let path = &around.places.home.join(path);
         let started = around.preferences.export.start(&around.context, &exported, path);
         if let Some((job, purpose)) = around.notices.check(started) {
             around.preferences.export.folder = path.parent().map(Path::to_owned);

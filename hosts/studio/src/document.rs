@@ -14,6 +14,7 @@ use marey_binding::{
 
 use serde::{Deserialize, Serialize};
 
+use crate::brush::Painted;
 use crate::marks::Marks;
 use crate::texts;
 
@@ -63,6 +64,22 @@ impl Default for CharacterNotes {
 /// Parts with their bytes, or none to take one away.
 pub(crate) type Parts<'a> = &'a [(Part, Option<&'a [u8]>)];
 
+/// What a plugin can do in the place of what is built in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Step {
+    Track,
+    Segment,
+}
+
+impl Step {
+    fn parameter(self) -> &'static str {
+        match self {
+            Self::Track => "track.plugin",
+            Self::Segment => "segment.plugin",
+        }
+    }
+}
+
 /// A limb as the session names it.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Limb {
@@ -92,6 +109,8 @@ pub(crate) struct Document {
     /// Frames that are drawn on, rising.
     pub(crate) keys: Vec<u64>,
     strokes: HashMap<(usize, u64), Stroke>,
+    /// By frame.
+    painted: HashMap<u64, Vec<Painted>>,
     pub(crate) tracked: Option<Tracked>,
     /// The points that are marked in the clip.
     pub(crate) marks: Marks,
@@ -100,6 +119,8 @@ pub(crate) struct Document {
     pub(crate) state: SessionState,
     pub(crate) undo: Option<String>,
     pub(crate) redo: Option<String>,
+    /// The ids of the plugins that track and segment; empty for what is built in.
+    methods: [String; 2],
     worked_on: bool,
 }
 
@@ -164,12 +185,14 @@ impl Document {
             limbs: Vec::new(),
             keys: Vec::new(),
             strokes: HashMap::new(),
+            painted: HashMap::new(),
             tracked: None,
             marks: Marks::new((1, 1)),
             parts: HashMap::new(),
             state,
             undo: None,
             redo: None,
+            methods: Default::default(),
             worked_on: false,
         };
         document.refresh(true)?;
@@ -207,6 +230,11 @@ impl Document {
         (0..self.limbs.len()).filter_map(move |limb| Some((limb, self.stroke(limb, frame)?)))
     }
 
+    /// The hints that are painted on a frame.
+    pub(crate) fn painted(&self, frame: u64) -> &[Painted] {
+        self.painted.get(&frame).map_or(&[], |hints| hints)
+    }
+
     /// Whether a person did something to it, beyond opening it and looking at what is made of it.
     pub(crate) fn is_worked_on(&self) -> bool {
         self.worked_on || self.state.recovered > 0
@@ -217,8 +245,12 @@ impl Document {
         self.undo.as_deref().filter(|label| *label != texts::EDIT_OPEN)
     }
 
+    /// Takes one step back, and with it what followed from it by itself.
     pub(crate) fn undo_one(&mut self) -> Result<()> {
         if self.undo().is_some() {
+            while self.session.undo_label()?.is_some_and(|label| label.ends_with(texts::EDIT_FOLLOWED)) {
+                self.session.undo()?;
+            }
             self.session.undo()?;
         }
         self.refresh(true)
@@ -226,7 +258,15 @@ impl Document {
 
     pub(crate) fn redo_one(&mut self) -> Result<()> {
         self.session.redo()?;
+        while self.session.redo_label()?.is_some_and(|label| label.ends_with(texts::EDIT_FOLLOWED)) {
+            self.session.redo()?;
+        }
         self.refresh(true)
+    }
+
+    /// A number that is the same for what is alike to the last bit.
+    pub(crate) fn fingerprint(&self) -> Result<u64> {
+        self.session.fingerprint()
     }
 
     pub(crate) fn save(&mut self) -> Result<()> {
@@ -261,6 +301,19 @@ impl Document {
     pub(crate) fn draw(&mut self, limb: usize, frame: u64, points: &[(f32, f32)]) -> Result<()> {
         let facing = self.stroke(limb, frame).map_or(Facing::Unknown, |s| s.facing);
         self.edit(texts::EDIT_DRAW, |session| session.set_stroke(limb as u32, frame, points, facing))
+    }
+
+    /// Paints a hint on a frame.
+    pub(crate) fn paint(&mut self, frame: u64, hint: &Painted) -> Result<()> {
+        let Painted { creature, radius, points } = hint;
+        self.edit(texts::EDIT_PAINT, |session| session.add_paint(frame, *creature, *radius, points))
+    }
+
+    /// Takes all hints off a frame.
+    pub(crate) fn remove_paint(&mut self, frame: u64) -> Result<()> {
+        let count = self.painted(frame).len() as u32;
+        let remove = |session: &Session| (0..count).rev().try_for_each(|index| session.remove_paint(frame, index));
+        self.edit(texts::EDIT_REMOVE_PAINT, remove)
     }
 
     pub(crate) fn set_facing(&mut self, limb: usize, frame: u64, facing: Facing) -> Result<()> {
@@ -357,6 +410,15 @@ impl Document {
         Ok(())
     }
 
+    /// The plugin that does a step, by its id; empty for what is built in.
+    pub(crate) fn method(&self, step: Step) -> &str {
+        &self.methods[step as usize]
+    }
+
+    pub(crate) fn set_method(&mut self, step: Step, id: &str) -> Result<()> {
+        self.edit(texts::EDIT_METHOD, |session| session.set_text(step.parameter(), id))
+    }
+
     pub(crate) fn start_creature(&self) -> Result<Job> {
         self.session.start_creature("")
     }
@@ -365,10 +427,18 @@ impl Document {
         self.session.start_track()
     }
 
-    /// Takes in what a job of this session made.
-    pub(crate) fn take(&mut self, job: &Job) -> Result<()> {
-        self.session.take(job)?;
-        self.refresh(true)
+    /// Takes in what a job of this session made: a step of its own, or a part of the last one where nobody asked for it.
+    pub(crate) fn take(&mut self, job: &Job, asked: bool) -> Result<()> {
+        let followed = || self.undo.as_deref().map(|last| format!("{last}{}", texts::EDIT_FOLLOWED));
+        let label = if asked { None } else { followed() };
+        self.session.begin_gesture(label.as_deref().unwrap_or(texts::EDIT_MAKE))?;
+        let taken = self.session.take(job).and_then(|_| self.session.end_gesture());
+        if taken.is_err() {
+            // What failed is said; that nothing of it stays is all there is to do about it.
+            let _ = self.session.cancel_gesture();
+        }
+        self.refresh(true)?;
+        taken
     }
 
     /// One step of undo, or nothing.
@@ -388,13 +458,18 @@ impl Document {
     fn refresh(&mut self, motion: bool) -> Result<()> {
         let session = &self.session;
         self.state = session.state()?;
-        (self.undo, self.redo) = (session.undo_label()?, session.redo_label()?);
+        let undo = session.undo_label()?;
+        self.undo = undo.map(|label| label.strip_suffix(texts::EDIT_FOLLOWED).unwrap_or(&label).to_owned());
+        self.redo = session.redo_label()?;
         if self.state.has_clip != self.clip.is_some() {
             // A clip that cannot be found any more is said by a warning, and strokes are still worth having.
             self.clip = match session.clip() {
                 Ok(Some(clip)) => clip.info().ok().map(|info| (Arc::new(clip), info)),
                 _ => None,
             };
+        }
+        for step in [Step::Track, Step::Segment] {
+            self.methods[step as usize] = session.text(step.parameter())?;
         }
         self.refresh_parts()?;
         let session = &self.session;
@@ -418,6 +493,7 @@ impl Document {
                 }
             }
         }
+        self.painted = painted(&rig.to_json()?);
         if motion {
             self.tracked = session.motion()?.map(|motion| tracked(&motion, &self.limbs)).transpose()?;
         }
@@ -477,6 +553,34 @@ fn tracked(motion: &Motion, limbs: &[Limb]) -> Result<Tracked> {
         bounds = [bounds[0].min(*x), bounds[1].min(*y), bounds[2].max(*x), bounds[3].max(*y)];
     }
     Ok(Tracked { limbs, corrections: Vec::new(), bounds })
+}
+
+/// The hints of a strokes.json, which is the only place that tells of them.
+fn painted(json: &str) -> HashMap<u64, Vec<Painted>> {
+    let read: Strokes = serde_json::from_str(json).unwrap_or_default();
+    let hint =
+        |hint: PaintEntry| Painted { creature: hint.kind == "foreground", radius: hint.radius, points: hint.points };
+    let of = |key: KeyEntry| (key.frame, key.paint.into_iter().map(hint).collect());
+    read.keyframes.into_iter().filter(|key| !key.paint.is_empty()).map(of).collect()
+}
+
+#[derive(Default, Deserialize)]
+struct Strokes {
+    keyframes: Vec<KeyEntry>,
+}
+
+#[derive(Deserialize)]
+struct KeyEntry {
+    frame: u64,
+    #[serde(default)]
+    paint: Vec<PaintEntry>,
+}
+
+#[derive(Deserialize)]
+struct PaintEntry {
+    kind: String,
+    radius: f32,
+    points: Vec<(f32, f32)>,
 }
 
 /// What a file is called for a person.

@@ -21,7 +21,7 @@ use crate::icons::Icon;
 use crate::moving::{Moving, MovingPictures};
 use crate::picker::Ask;
 use crate::running::{Purpose, Running, Step};
-use crate::shortcuts::Command;
+use crate::shortcuts::{self, Command};
 use crate::theme::{self, Palette};
 use crate::view::View;
 use crate::workshop::{Watched, Workshop};
@@ -376,7 +376,7 @@ impl DrawingDoor {
         let timeline = Panel::bottom("timeline").frame(plain).resizable(false).show(ui, |ui| {
             ui.set_min_height(timeline::HEIGHT - 36.0);
             let Workshop { document, frames, timeline, playback, .. } = &mut self.shop;
-            timeline.show(ui, document, frames.as_ref(), playback)
+            timeline.show(ui, document, frames.as_ref(), playback, None)
         });
         Panel::left("steps").frame(plain).default_size(250.0).size_range(210.0..=360.0).show(ui, |ui| {
             ScrollArea::vertical().auto_shrink(false).show(ui, |ui| self.steps(ui, frame, around));
@@ -386,11 +386,12 @@ impl DrawingDoor {
             self.show_sheet(ui, frame, around);
         });
         CentralPanel::default().frame(Frame::new()).show(ui, |ui| self.show_clip(ui, frame, around));
-        if crate::shortcuts::play_released(ui.ctx()) && ui.memory(|m| m.focused().is_none()) {
-            self.shop.playback.toggle(now);
+        if let Some(command) = shortcuts::space_released(ui.ctx()).filter(|_| ui.memory(|m| m.focused().is_none())) {
+            self.command(command, ui.ctx(), around);
         }
         for asked in timeline.inner {
             match asked {
+                timeline::Asked::Hold(frames) => self.shop.hold(frames, around),
                 timeline::Asked::Seek(frame) => self.shop.playback.seek(frame, now),
                 timeline::Asked::Do(command) => self.command(command, ui.ctx(), around),
                 timeline::Asked::MoveKey(from, to) => {

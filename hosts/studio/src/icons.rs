@@ -28,6 +28,11 @@ pub(crate) enum Icon {
     Clip,
     Figure,
     Pencil,
+    Plug,
+    Sliders,
+    Onion,
+    Brush,
+    Eraser,
 }
 
 impl Icon {
@@ -152,6 +157,33 @@ impl Icon {
                 line(&[(8.0, 5.6), (8.0, 9.6), (5.0, 14.0)]);
                 line(&[(8.0, 9.6), (11.4, 13.6)]);
                 line(&[(3.6, 8.6), (8.0, 6.8), (12.8, 5.4)]);
+            }
+            Self::Plug => {
+                line(&[(6.0, 2.0), (6.0, 5.5)]);
+                line(&[(10.0, 2.0), (10.0, 5.5)]);
+                ring(&[(3.8, 5.5), (12.2, 5.5), (11.2, 9.6), (9.0, 10.8), (7.0, 10.8), (4.8, 9.6)]);
+                line(&[(8.0, 10.8), (8.0, 14.0)]);
+            }
+            Self::Sliders => {
+                for (y, knob) in [(4.0, 10.5), (8.0, 5.0), (12.0, 9.0)] {
+                    line(&[(2.5, y), (knob - 1.6, y)]);
+                    line(&[(knob + 1.6, y), (13.5, y)]);
+                    painter.circle_stroke(at(knob, y), side * 0.1, pen);
+                }
+            }
+            Self::Onion => {
+                for (x, share) in [(6.0, 0.45), (10.0, 1.0)] {
+                    let pen = Stroke::new(pen.width, color.gamma_multiply(share));
+                    painter.circle_stroke(at(x, 8.0), side * 0.26, pen);
+                }
+            }
+            Self::Brush => {
+                line(&[(13.4, 2.6), (8.2, 8.6)]);
+                ring(&[(8.2, 8.6), (9.0, 10.6), (7.0, 13.0), (2.8, 13.4), (4.6, 11.2), (5.6, 8.8)]);
+            }
+            Self::Eraser => {
+                ring(&[(2.8, 10.2), (9.6, 3.4), (13.4, 7.2), (7.4, 13.2), (5.8, 13.2)]);
+                line(&[(6.4, 6.6), (10.2, 10.4)]);
             }
             Self::Pencil => {
                 ring(&[(3.0, 13.0), (3.8, 9.8), (10.8, 2.8), (13.2, 5.2), (6.2, 12.2)]);

@@ -12,6 +12,7 @@
 mod app;
 mod around;
 mod background;
+mod brush;
 mod canvas;
 mod character_door;
 mod creature_door;
@@ -24,13 +25,19 @@ mod help;
 mod icons;
 mod limbs_panel;
 mod marks;
+mod methods;
 mod moving;
 mod notices;
+mod onion;
 mod opening;
 mod overlay;
+mod parameters;
+mod path_field;
 mod picker;
 mod places;
 mod playback;
+mod plugins;
+mod plugins_panel;
 mod preferences;
 mod running;
 mod sample;
@@ -47,6 +54,7 @@ mod workshop;
 
 pub use app::{Open, Studio};
 pub use places::Places;
+pub use plugins::probe;
 pub use window::run;
 
 /// What the studio is drawn with.

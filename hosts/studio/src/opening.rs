@@ -7,6 +7,7 @@ use marey_binding::{Access, Context, Part};
 
 use crate::background::Background;
 use crate::document::{Document, Door, stem};
+use crate::plugins::FirstLook;
 use crate::{Places, sample, texts};
 
 /// What is to be opened.
@@ -59,9 +60,20 @@ pub(crate) struct Opening {
 }
 
 impl Opening {
-    pub(crate) fn start(ui: &egui::Context, context: &Context, places: &Places, source: Source) -> Self {
+    /// `plugins` are waited for: what is opened may be made with them at once.
+    pub(crate) fn start(
+        ui: &egui::Context,
+        context: &Context,
+        places: &Places,
+        plugins: FirstLook,
+        source: Source,
+    ) -> Self {
         let (context, places, opened) = (context.clone(), places.clone(), source.clone());
-        Self { source, answer: Background::start(ui, move || open(&context, &places, &opened)) }
+        let open = move || {
+            plugins.wait();
+            open(&context, &places, &opened)
+        };
+        Self { source, answer: Background::start(ui, open) }
     }
 
     pub(crate) fn answer(&self) -> Option<Result<Document, String>> {

@@ -9,13 +9,15 @@ pub(crate) struct Playback {
     /// The time and the frame it began to play at.
     since: Option<(f64, u64)>,
     pub(crate) looped: bool,
+    /// While it plays, each picture is held for so many frames: 2 is "on twos".
+    pub(crate) held: u64,
 }
 
 impl Playback {
     /// `fps` beyond reason is taken for 24.
     pub(crate) fn new(frames: u64, fps: f64, looped: bool) -> Self {
         let fps = if fps.is_finite() && fps > 0.1 { fps } else { 24.0 };
-        Self { frames, fps, frame: 0, since: None, looped }
+        Self { frames, fps, frame: 0, since: None, looped, held: 1 }
     }
 
     pub(crate) fn frame(&self) -> u64 {
@@ -60,7 +62,8 @@ impl Playback {
     /// The frame for this moment.
     pub(crate) fn advance(&mut self, now: f64) {
         let Some((began, from)) = self.since else { return };
-        let at = from + ((now - began).max(0.0) * self.fps) as u64;
+        let passed = ((now - began).max(0.0) * self.fps) as u64;
+        let at = from + passed - passed % self.held.max(1);
         if at <= self.last() {
             self.frame = at;
         } else if self.looped {
@@ -97,6 +100,20 @@ mod tests {
         assert_eq!((play.frame(), play.playing()), (1, true), "begins again from its end");
         play.seek(99, 301.0);
         assert_eq!(play.frame(), 9);
+    }
+
+    #[test]
+    fn pictures_are_held_on_twos() {
+        let mut play = Playback::new(10, 10.0, true);
+        play.held = 2;
+        play.toggle(0.0);
+        let shown: Vec<u64> = (0..12)
+            .map(|i| {
+                play.advance(0.05 + 0.1 * f64::from(i));
+                play.frame()
+            })
+            .collect();
+        assert_eq!(shown, [0, 0, 2, 2, 4, 4, 6, 6, 8, 8, 0, 0]);
     }
 
     #[test]

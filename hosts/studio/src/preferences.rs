@@ -8,6 +8,9 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use crate::export::ExportSettings;
+use crate::onion::Onion;
+use crate::plugins::AllRemembered;
+use crate::shortcuts::Chosen;
 
 /// How many sessions are remembered.
 const RECENT: usize = 12;
@@ -38,6 +41,13 @@ pub(crate) struct Preferences {
     pub(crate) export: ExportSettings,
     /// Playing begins again at the end.
     pub(crate) once: bool,
+    pub(crate) onion: Onion,
+    /// For how many frames a picture is held while it plays; 0 for one.
+    pub(crate) held: u64,
+    /// Keys that were chosen.
+    pub(crate) keys: Chosen,
+    /// What was chosen about plugins.
+    pub(crate) plugins: AllRemembered,
 }
 
 impl Preferences {

@@ -51,6 +51,8 @@ pub(crate) struct Running {
     state: JobState,
     /// A person asked it to stop.
     pub(crate) cancelled: bool,
+    /// Nothing wants it any more.
+    pub(crate) given_up: bool,
 }
 
 /// How a job ended.
@@ -64,7 +66,7 @@ pub(crate) enum Ended {
 impl Running {
     pub(crate) fn new(job: Job, purpose: Purpose) -> Self {
         let state = JobState { ended: false, fraction: 0.0, stage: String::new(), stage_fraction: 0.0, revision: 0 };
-        Self { job, purpose, began: Instant::now(), state, cancelled: false }
+        Self { job, purpose, began: Instant::now(), state, cancelled: false, given_up: false }
     }
 
     /// Looks how it is; gives its end.
@@ -93,6 +95,12 @@ impl Running {
     /// Whether it takes so long that a person should be told.
     pub(crate) fn is_long(&self) -> bool {
         matches!(self.purpose, Purpose::Export { .. }) || self.began.elapsed() > SHORT
+    }
+
+    /// Stops it, of which a person need not hear.
+    pub(crate) fn give_up(&mut self) {
+        self.given_up = true;
+        let _ = self.job.cancel();
     }
 
     pub(crate) fn fraction(&self) -> f32 {

@@ -1,6 +1,10 @@
-//! What can be done by a key, in one table: the program acts on it, menus and buttons show it, and F1 lists it.
+//! What can be done by a key, in one table: the program acts on it, menus and buttons show it, and F1 lists it. A person may
+//! choose other keys.
 
-use eframe::egui::{Context, Key, KeyboardShortcut, Modifiers, Popup};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use eframe::egui::{Context, Id, Key, KeyboardShortcut, Modifiers, Popup};
 
 use crate::texts;
 
@@ -26,9 +30,16 @@ pub(crate) enum Command {
     LastFrame,
     NextCorrection,
     Loop,
+    Onion,
     NewLimb,
     NextLimb,
     RemoveStroke,
+    Facing,
+    ToolLimbs,
+    ToolCreature,
+    ToolBeside,
+    Narrower,
+    Wider,
     Fit,
     ZoomIn,
     ZoomOut,
@@ -41,6 +52,8 @@ pub(crate) enum Command {
     Make,
     Export,
     ExportAgain,
+    Plugins,
+    Methods,
 }
 
 /// A line of the table.
@@ -79,6 +92,12 @@ pub(crate) const TABLE: [(&str, &[Shortcut]); 5] = [
             on(Command::NewLimb, Modifiers::NONE, Key::N, texts::DO_NEW_LIMB),
             on(Command::NextLimb, Modifiers::NONE, Key::L, texts::DO_NEXT_LIMB),
             on(Command::RemoveStroke, Modifiers::NONE, Key::Delete, texts::DO_REMOVE_STROKE),
+            on(Command::Facing, Modifiers::NONE, Key::T, texts::DO_FACING),
+            on(Command::ToolLimbs, Modifiers::NONE, Key::D, texts::DO_TOOL_LIMBS),
+            on(Command::ToolCreature, Modifiers::NONE, Key::B, texts::DO_TOOL_CREATURE),
+            on(Command::ToolBeside, Modifiers::NONE, Key::X, texts::DO_TOOL_BESIDE),
+            on(Command::Narrower, Modifiers::NONE, Key::OpenBracket, texts::DO_NARROWER),
+            on(Command::Wider, Modifiers::NONE, Key::CloseBracket, texts::DO_WIDER),
             on(Command::NextCorrection, Modifiers::NONE, Key::C, texts::DO_NEXT_CORRECTION),
             on(Command::Make, CTRL, Key::Enter, texts::DO_MAKE),
         ],
@@ -99,6 +118,7 @@ pub(crate) const TABLE: [(&str, &[Shortcut]); 5] = [
     (
         texts::GROUP_LOOKING,
         &[
+            on(Command::Onion, Modifiers::NONE, Key::O, texts::DO_ONION),
             on(Command::Fit, CTRL, Key::Num0, texts::DO_FIT),
             on(Command::ZoomIn, CTRL, Key::Plus, texts::DO_ZOOM_IN),
             on(Command::ZoomOut, CTRL, Key::Minus, texts::DO_ZOOM_OUT),
@@ -115,47 +135,124 @@ pub(crate) const TABLE: [(&str, &[Shortcut]); 5] = [
         &[
             on(Command::Export, CTRL, Key::E, texts::DO_EXPORT),
             on(Command::ExportAgain, CTRL_SHIFT, Key::E, texts::DO_EXPORT_AGAIN),
+            on(Command::Methods, CTRL, Key::M, texts::DO_METHODS),
+            on(Command::Plugins, CTRL_SHIFT, Key::P, texts::DO_PLUGINS),
             on(Command::Light, CTRL, Key::L, texts::DO_LIGHT),
             on(Command::Help, Modifiers::NONE, Key::F1, texts::DO_HELP),
         ],
     ),
 ];
 
+/// Keys that a person chose instead of those of the table: by the command's name, as text; empty for none.
+pub(crate) type Chosen = BTreeMap<String, String>;
+
+/// What each command has now, in the order of the table.
+type Keymap = Arc<Vec<(Command, Option<KeyboardShortcut>)>>;
+
+fn id() -> Id {
+    Id::unique("keymap")
+}
+
+/// Lets `chosen` be so from now on.
+pub(crate) fn choose(ctx: &Context, chosen: &Chosen) {
+    let of = |s: &Shortcut| match chosen.get(&name(s.command)) {
+        Some(text) if text.is_empty() => None,
+        // What cannot be read is as good as not chosen.
+        Some(text) => Some(parse(text).unwrap_or(s.keys)),
+        None => Some(s.keys),
+    };
+    let map: Keymap = Arc::new(all().map(|s| (s.command, of(s))).collect());
+    ctx.data_mut(|data| data.insert_temp(id(), map));
+}
+
+fn keymap(ctx: &Context) -> Keymap {
+    ctx.data(|data| data.get_temp::<Keymap>(id()))
+        .unwrap_or_else(|| Arc::new(all().map(|s| (s.command, Some(s.keys))).collect()))
+}
+
+/// What a command is remembered by.
+pub(crate) fn name(command: Command) -> String {
+    format!("{command:?}")
+}
+
 /// The keys of a command.
-pub(crate) fn keys(command: Command) -> Option<KeyboardShortcut> {
-    all().find(|s| s.command == command).map(|s| s.keys)
+pub(crate) fn keys(ctx: &Context, command: Command) -> Option<KeyboardShortcut> {
+    keymap(ctx).iter().find(|(c, _)| *c == command).and_then(|(_, keys)| *keys)
+}
+
+/// The other command that has these keys, and what it does.
+pub(crate) fn taken(ctx: &Context, keys: KeyboardShortcut, by_other_than: Command) -> Option<(Command, &'static str)> {
+    let map = keymap(ctx);
+    let other = map.iter().find(|(c, k)| *c != by_other_than && *k == Some(keys))?.0;
+    all().find(|s| s.command == other).map(|s| (other, s.text))
+}
+
+/// As they are remembered: "Ctrl+Shift+E"; Ctrl is Command on a Mac.
+pub(crate) fn text(keys: KeyboardShortcut) -> String {
+    let KeyboardShortcut { modifiers: m, logical_key } = keys;
+    let held = [(m.command || m.ctrl, "Ctrl+"), (m.shift, "Shift+"), (m.alt, "Alt+")];
+    held.iter().filter(|(on, _)| *on).map(|(_, word)| *word).chain([logical_key.name()]).collect()
+}
+
+fn parse(text: &str) -> Option<KeyboardShortcut> {
+    let (mut modifiers, mut rest) = (Modifiers::NONE, text);
+    for (word, modifier) in [("Ctrl+", CTRL), ("Shift+", Modifiers::SHIFT), ("Alt+", Modifiers::ALT)] {
+        if let Some(behind) = rest.strip_prefix(word) {
+            (modifiers, rest) = (modifiers.plus(modifier), behind);
+        }
+    }
+    Key::from_name(rest).map(|key| KeyboardShortcut::new(modifiers, key))
+}
+
+/// A key with what is held, as a person pressed it, to be a command's; an error where it has another use in any window.
+pub(crate) fn offered(modifiers: Modifiers, key: Key) -> Result<KeyboardShortcut, &'static str> {
+    let mut held = if modifiers.command || modifiers.ctrl { CTRL } else { Modifiers::NONE };
+    (held.shift, held.alt) = (modifiers.shift, modifiers.alt);
+    let moves = [Key::Tab, Key::Enter, Key::ArrowLeft, Key::ArrowRight, Key::ArrowUp, Key::ArrowDown, Key::Escape];
+    let edits = [Key::A, Key::C, Key::V, Key::X];
+    if moves.contains(&key) && !held.command && !held.alt {
+        return Err(texts::KEY_MOVES);
+    }
+    if held == CTRL && edits.contains(&key) {
+        return Err(texts::KEY_EDITS);
+    }
+    Ok(KeyboardShortcut::new(held, key))
 }
 
 /// A text for a tooltip: what it does, and by which key.
 pub(crate) fn hint(ctx: &Context, text: &str, command: Command) -> String {
-    keys(command).map_or_else(|| text.to_owned(), |keys| texts::with_key(text, &ctx.format_shortcut(&keys)))
+    keys(ctx, command).map_or_else(|| text.to_owned(), |keys| texts::with_key(text, &ctx.format_shortcut(&keys)))
 }
 
 fn all() -> impl Iterator<Item = &'static Shortcut> {
     TABLE.iter().flat_map(|(_, group)| *group)
 }
 
+/// Its key pans too, while it is held: it plays when it is let go.
+const PLAYS: KeyboardShortcut = KeyboardShortcut::new(Modifiers::NONE, Key::Space);
+
 /// The commands whose keys were pressed. Keys without Ctrl are left to a text that is being typed, and those that move
-/// or press a widget that has the focus to the widget. [`Command::Play`] is not among them: its key pans too, see
-/// [`play_released`].
+/// or press a widget that has the focus to the widget. The space bar is not among them, see [`play_released`].
 pub(crate) fn pressed(ctx: &Context) -> Vec<Command> {
     if covered(ctx) {
         return Vec::new();
     }
     let typing = ctx.text_edit_focused();
-    let mut order: Vec<&Shortcut> = all().filter(|s| s.command != Command::Play).collect();
+    let map = keymap(ctx);
+    let mut order: Vec<(Command, KeyboardShortcut)> = map.iter().filter_map(|(c, keys)| Some((*c, (*keys)?))).collect();
+    order.retain(|(_, keys)| *keys != PLAYS);
     // egui takes Ctrl+Shift+Z for Ctrl+Z where it is asked for that first.
-    order.sort_by_key(|s| !s.keys.modifiers.shift);
+    order.sort_by_key(|(_, keys)| (!keys.modifiers.shift, !keys.modifiers.alt));
     let mut commands = Vec::new();
     ctx.input_mut(|input| {
-        for shortcut in order {
-            let plain = shortcut.keys.modifiers.is_none() && !matches!(shortcut.keys.logical_key, Key::F1);
-            let edits_text = matches!(shortcut.command, Command::Undo | Command::Redo);
+        for (command, keys) in order {
+            let plain = !(keys.modifiers.command || keys.modifiers.alt || is_function(keys.logical_key));
+            let edits_text = matches!(command, Command::Undo | Command::Redo);
             if typing && (plain || edits_text) {
                 continue;
             }
-            if input.consume_shortcut(&shortcut.keys) {
-                commands.push(shortcut.command);
+            if input.consume_shortcut(&keys) {
+                commands.push(command);
             }
         }
         if !typing
@@ -168,9 +265,16 @@ pub(crate) fn pressed(ctx: &Context) -> Vec<Command> {
     commands
 }
 
-/// Whether the key that plays was let go.
-pub(crate) fn play_released(ctx: &Context) -> bool {
-    !covered(ctx) && !ctx.text_edit_focused() && ctx.input(|i| i.key_released(Key::Space))
+/// F1 and its like write nothing.
+fn is_function(key: Key) -> bool {
+    key.name().strip_prefix('F').is_some_and(|number| number.parse::<u8>().is_ok())
+}
+
+/// The command of the space bar, where it was let go.
+pub(crate) fn space_released(ctx: &Context) -> Option<Command> {
+    let released = !covered(ctx) && !ctx.text_edit_focused() && ctx.input(|i| i.key_released(Key::Space));
+    let command = keymap(ctx).iter().find(|(_, keys)| *keys == Some(PLAYS)).map(|(command, _)| *command);
+    command.filter(|_| released)
 }
 
 /// Whether a dialog or a list is open, whose the keys are.
@@ -179,8 +283,33 @@ fn covered(ctx: &Context) -> bool {
 }
 
 #[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 mod tests {
     use super::*;
+
+    #[test]
+    fn keys_are_remembered_as_text_and_damage_costs_one_of_them() {
+        for shortcut in all() {
+            assert_eq!(parse(&text(shortcut.keys)), Some(shortcut.keys), "{:?}", shortcut.command);
+        }
+        let ctx = Context::default();
+        let chosen = [("Save", "Ctrl+Alt+K"), ("Undo", "Ctrl+Nonsense"), ("Redo", ""), ("Gone", "Ctrl+G")];
+        choose(&ctx, &chosen.map(|(name, keys)| (name.to_owned(), keys.to_owned())).into());
+        let of = |command| keys(&ctx, command).map(text);
+        assert_eq!(of(Command::Save).as_deref(), Some("Ctrl+Alt+K"));
+        assert_eq!((of(Command::Undo).as_deref(), of(Command::Redo)), (Some("Ctrl+Z"), None));
+        assert_eq!(taken(&ctx, parse("Ctrl+Z").unwrap(), Command::Save), Some((Command::Undo, texts::DO_UNDO)));
+        assert_eq!(taken(&ctx, parse("Ctrl+Z").unwrap(), Command::Undo), None);
+    }
+
+    #[test]
+    fn keys_that_every_window_needs_are_not_given_away() {
+        for (modifiers, key) in [(Modifiers::NONE, Key::Tab), (Modifiers::SHIFT, Key::Tab), (CTRL, Key::C)] {
+            assert!(offered(modifiers, key).is_err(), "{key:?}");
+        }
+        assert_eq!(offered(CTRL_SHIFT, Key::E).map(text), Ok("Ctrl+Shift+E".into()));
+        assert_eq!(offered(CTRL, Key::Enter).map(text), Ok("Ctrl+Enter".into()));
+    }
 
     #[test]
     fn no_two_commands_share_a_key_and_none_is_listed_twice() {

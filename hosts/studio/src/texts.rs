@@ -55,6 +55,10 @@ pub(crate) const MOTIONS: &str = "Motions, BVH files and sessions";
 pub(crate) const EXPORT_TO: &str = "Export to";
 pub(crate) const CLIPS: &str = "Clips";
 pub(crate) const SESSIONS: &str = "Marey sessions";
+pub(crate) const NO_DIALOGS: &str = "The desktop has no dialog for files here: it needs a portal or zenity. Type the path, ~ for your folder; or drop the \
+     file on the window.";
+pub(crate) const PATH: &str = "Path";
+pub(crate) const CHOOSE: &str = "Choose";
 pub(crate) const NO_HOME: &str = "there is no folder for data of programs; set HOME or XDG_DATA_HOME";
 pub(crate) const OPENING_BROKE: &str =
     "Opening it failed in a way that should not be. What was saved is untouched; please report it.";
@@ -71,6 +75,12 @@ pub(crate) const EDIT_REMOVE_STROKE: &str = "removing a stroke";
 pub(crate) const EDIT_REMOVE_LIMB: &str = "removing a limb";
 pub(crate) const EDIT_NAME_LIMB: &str = "limb's name and side";
 pub(crate) const EDIT_TAKE_STROKES: &str = "strokes from a file";
+pub(crate) const EDIT_MAKE: &str = "making the creature";
+pub(crate) const EDIT_PAINT: &str = "painting";
+pub(crate) const EDIT_REMOVE_PAINT: &str = "removing paint";
+pub(crate) const EDIT_METHOD: &str = "how it is made";
+/// Behind the label of the step that was followed.
+pub(crate) const EDIT_FOLLOWED: &str = ", followed";
 pub(crate) const EDIT_MOVE_KEY: &str = "moving a key frame";
 
 pub(crate) const EDIT_MARK: &str = "new point";
@@ -122,6 +132,13 @@ pub(crate) const STROKES: &str = "Strokes";
 pub(crate) const TRACKS: &str = "Tracked";
 pub(crate) const PATHS: &str = "Paths";
 pub(crate) const MASK: &str = "Mask";
+pub(crate) const TOOL_LIMBS: &str = "Draw limbs";
+pub(crate) const TOOL_CREATURE: &str = "Paint what is the creature";
+pub(crate) const TOOL_BESIDE: &str = "Paint what is not the creature";
+pub(crate) const BRUSH: &str = "Radius of the brush in pixels";
+pub(crate) const REMOVE_PAINT: &str = "Clear this frame";
+pub(crate) const PAINT_HINT: &str =
+    "Paint over what was cut out wrong, and update the creature: green is the creature, red is not.";
 pub(crate) const FIT: &str = "Fit";
 
 // A drawing that lives.
@@ -212,6 +229,15 @@ pub(crate) const LAST_FRAME: &str = "Last frame";
 pub(crate) const NEXT_CORRECTION: &str = "Next to correct";
 pub(crate) const NEXT_CORRECTION_HINT: &str = "Goes to the frame and the limb that a new stroke would help most";
 
+pub(crate) const ONION: &str = "Onion skin";
+pub(crate) const ONION_SETTINGS: &str = "Onion skin: how much";
+pub(crate) const ONION_BEFORE: &str = "Poses before";
+pub(crate) const ONION_AFTER: &str = "Poses after";
+pub(crate) const ONION_EVERY: &str = "Frames between";
+pub(crate) const HELD: &str = "Pictures are held";
+pub(crate) const HELD_HINT: &str =
+    "On twos, each second picture is shown for two frames, as drawn animation is. For playing only.";
+
 // The creature.
 pub(crate) const VIEW3D_NAME: &str = "The creature in 3D";
 pub(crate) const STYLE: &str = "What is shown";
@@ -269,6 +295,26 @@ pub(crate) const CANCEL: &str = "Cancel";
 pub(crate) const CLOSE: &str = "Close";
 pub(crate) const CLOSE_NOTICE: &str = "Close this message";
 
+// Plugins.
+pub(crate) const PLUGINS: &str = "Plugins";
+pub(crate) const NO_PLUGINS: &str = "None yet. What is built in needs none.";
+pub(crate) const NOT_LOADED: &str = "Not loaded";
+pub(crate) const TRY_AGAIN: &str = "Try again";
+pub(crate) const LOOK_AGAIN: &str = "Look again";
+pub(crate) const PLUGIN_ON: &str = "On";
+pub(crate) const SETTINGS: &str = "Settings";
+pub(crate) const KIND_TRACKER: &str = "follows limbs";
+pub(crate) const KIND_SEGMENTER: &str = "cuts out";
+pub(crate) const KIND_DEFORMER: &str = "deforms";
+pub(crate) const METHODS: &str = "How the creature is made";
+pub(crate) const FOLLOWED_BY: &str = "Limbs are followed by";
+pub(crate) const CUT_BY: &str = "It is cut out by";
+pub(crate) const BUILT_IN: &str = "what is built in";
+pub(crate) const BUILT_IN_ABOUT: &str = "The best of what was measured, on most clips";
+pub(crate) const ALL_PLUGINS: &str = "All plugins…";
+pub(crate) const PLUGIN_GONE: &str =
+    "This plugin is not there, or is switched off. Choose another, or look at all plugins.";
+
 // Keys.
 pub(crate) const GROUP_SESSION: &str = "SESSION";
 pub(crate) const GROUP_DRAWING: &str = "DRAWING";
@@ -286,6 +332,12 @@ pub(crate) const DO_START: &str = "To the start";
 pub(crate) const DO_NEW_LIMB: &str = "Draw a new limb";
 pub(crate) const DO_NEXT_LIMB: &str = "Select the next limb";
 pub(crate) const DO_REMOVE_STROKE: &str = "Remove the limb's stroke here";
+pub(crate) const DO_FACING: &str = "Its end: level, nearer, farther";
+pub(crate) const DO_TOOL_LIMBS: &str = "Draw limbs";
+pub(crate) const DO_TOOL_CREATURE: &str = "Paint the creature";
+pub(crate) const DO_TOOL_BESIDE: &str = "Paint what is beside it";
+pub(crate) const DO_NARROWER: &str = "A narrower brush";
+pub(crate) const DO_WIDER: &str = "A wider brush";
 pub(crate) const DO_NEXT_CORRECTION: &str = "Go to what to correct next";
 pub(crate) const DO_MAKE: &str = "Make the creature";
 pub(crate) const DO_PLAY: &str = "Play, pause";
@@ -296,6 +348,7 @@ pub(crate) const DO_NEXT_KEY: &str = "Next key frame";
 pub(crate) const DO_FIRST_FRAME: &str = "First frame";
 pub(crate) const DO_LAST_FRAME: &str = "Last frame";
 pub(crate) const DO_LOOP: &str = "Loop, or play once";
+pub(crate) const DO_ONION: &str = "Onion skin";
 pub(crate) const DO_FIT: &str = "Fit the clip";
 pub(crate) const DO_ZOOM_IN: &str = "Nearer";
 pub(crate) const DO_ZOOM_OUT: &str = "Farther";
@@ -308,8 +361,19 @@ pub(crate) const DO_AS_FILMED: &str = "Creature as it was filmed";
 pub(crate) const DO_EXPORT: &str = "Export";
 pub(crate) const DO_EXPORT_AGAIN: &str = "Export again, as last time";
 pub(crate) const DO_LIGHT: &str = "Light or dark";
+pub(crate) const DO_PLUGINS: &str = "Plugins";
+pub(crate) const DO_METHODS: &str = "How the creature is made";
 pub(crate) const DO_HELP: &str = "This list";
-pub(crate) const MOUSE_HELP: &str = "Wheel: nearer, farther. Space or the middle button, held: move the clip. Click on a limb: select it. Diamonds on the timeline can be dragged.";
+pub(crate) const PRESS_KEYS: &str = "press keys…";
+pub(crate) const NO_KEY: &str = "none";
+pub(crate) const KEYS_HINT: &str = "Click on keys to choose others.";
+pub(crate) const TAKE_KEY_AWAY: &str = "No key";
+pub(crate) const LEAVE_KEY: &str = "Leave it";
+pub(crate) const USE_KEY: &str = "Use them here";
+pub(crate) const RESET_KEYS: &str = "All keys as they were";
+pub(crate) const KEY_MOVES: &str = "This key moves through every window, and stays what it is. Press others.";
+pub(crate) const KEY_EDITS: &str = "These keys copy and paste text, and stay what they are. Press others.";
+pub(crate) const MOUSE_HELP: &str = "Wheel: nearer, farther. Space or the middle button, held: move the clip. Click on a limb: select it. Right click on its end: level, nearer, farther. Diamonds on the timeline can be dragged.";
 
 pub(crate) fn no_window(why: &str) -> String {
     format!(
@@ -323,6 +387,18 @@ pub(crate) fn no_folder(folder: &Path, why: &std::io::Error) -> String {
 
 pub(crate) fn no_memory(why: &std::io::Error) -> String {
     format!("What you chose cannot be remembered: {why}. Everything else works.")
+}
+
+pub(crate) fn not_there(path: &Path) -> String {
+    format!("{}: there is nothing under this name", path.display())
+}
+
+pub(crate) fn no_such_folder(path: &Path) -> String {
+    format!("{}: there is no such folder", path.display())
+}
+
+pub(crate) fn name_a_file(path: &Path) -> String {
+    format!("{}: that is a folder; add a name", path.display())
 }
 
 /// How long ago, for a person.
@@ -472,6 +548,17 @@ pub(crate) fn place_in_time(frame: u64, frames: u64, seconds: f64) -> String {
     format!("{:>width$} / {of}   {seconds:>5.2} s", (frame + 1).min(frames), width = of.len())
 }
 
+/// For how many frames a picture is held, as animators say it.
+pub(crate) fn held(frames: u64) -> String {
+    match frames {
+        1 => "on ones".into(),
+        2 => "on twos".into(),
+        3 => "on threes".into(),
+        4 => "on fours".into(),
+        _ => format!("for {frames} frames"),
+    }
+}
+
 pub(crate) fn frame_of(done: u64, count: u64) -> String {
     format!("frame {} of {count}", done.min(count))
 }
@@ -551,6 +638,36 @@ pub(crate) fn animation_about(frames: u64, fps: f64, film: bool, gif: bool) -> S
         (_, true) => format!("{about} Edges of a see-through GIF are hard."),
         _ => about,
     }
+}
+
+pub(crate) fn plugins_about(folder: &str) -> String {
+    format!(
+        "They follow limbs and cut creatures out by other means. New ones and new builds are found while you work, in {folder}."
+    )
+}
+
+pub(crate) fn plugin_by(version: &str, vendor: &str) -> String {
+    if vendor.is_empty() { version.to_owned() } else { format!("{version}, by {vendor}") }
+}
+
+pub(crate) fn plugin_file(file: &str, build: u64) -> String {
+    if build > 1 { format!("{file}, build {build} since the start") } else { file.to_owned() }
+}
+
+pub(crate) fn plugin_rebuilt(name: &str) -> String {
+    format!("{name} was built anew. The new build is used from now on.")
+}
+
+pub(crate) fn keys_of(what: &str, keys: &str) -> String {
+    format!("Keys of {what}: {keys}")
+}
+
+pub(crate) fn keys_wanted(what: &str) -> String {
+    format!("{what}: press the keys for it.")
+}
+
+pub(crate) fn keys_taken(keys: &str, by: &str) -> String {
+    format!("{keys} are the keys of: {by}. Used here, it has none any more.")
 }
 
 pub(crate) fn session_file(title: &str) -> String {

@@ -1,13 +1,14 @@
 //! The clip in time: small pictures, key frames as diamonds, where it is unsure, and what plays.
 
 use eframe::egui::{
-    Align, Align2, Color32, FontId, Layout, Pos2, Rect, RichText, Sense, Shape, Stroke, StrokeKind, Ui, WidgetInfo,
-    pos2, vec2,
+    Align, Align2, Color32, ComboBox, EventFilter, FontId, Key, Layout, Modifiers, Popup, PopupCloseBehavior, Pos2,
+    Rect, Response, RichText, Sense, Shape, Stroke, StrokeKind, Ui, WidgetInfo, pos2, vec2,
 };
 
 use crate::document::Document;
 use crate::frames::Frames;
 use crate::icons::{Icon, diamond};
+use crate::onion::Onion;
 use crate::playback::Playback;
 use crate::shortcuts::Command;
 use crate::theme::Palette;
@@ -27,6 +28,8 @@ pub(crate) const HEIGHT: f32 = 28.0 + KEYS + PICTURES + MARKS + 36.0;
 pub(crate) enum Asked {
     Seek(u64),
     Do(Command),
+    /// Hold each picture for so many frames while it plays.
+    Hold(u64),
     /// Move a key frame.
     MoveKey(u64, u64),
 }
@@ -44,8 +47,9 @@ impl Timeline {
         document: &Document,
         frames: Option<&Frames>,
         playback: &Playback,
+        onion: Option<&mut Onion>,
     ) -> Vec<Asked> {
-        let mut asked = controls(ui, document, playback);
+        let mut asked = controls(ui, document, playback, onion);
         if document.clip.is_some() {
             self.strip(ui, document, frames, playback, &mut asked);
         }
@@ -72,6 +76,10 @@ impl Timeline {
         let x_of = |frame: u64| strip.left() + strip.width() * (frame as f32 + 0.5) / count as f32;
         let frame_at = |x: f32| ((((x - strip.left()) / strip.width()) * count as f32).max(0.0) as u64).min(last);
 
+        if response.has_focus() {
+            by_keys(ui, &response, document, playback, asked);
+            painter.rect_stroke(strip.expand(2.0), 5.0, Stroke::new(1.5, palette.accent), StrokeKind::Outside);
+        }
         painter.rect_filled(strip, 4.0, palette.raised);
         if let Some(frames) = frames {
             pictures(&painter.with_clip_rect(strip), strip, frames, document);
@@ -123,8 +131,28 @@ impl Timeline {
     }
 }
 
+/// What the keys do while the timeline has them: arrows go along the clip, with Shift they take the key frame along.
+fn by_keys(ui: &Ui, response: &Response, document: &Document, playback: &Playback, asked: &mut Vec<Asked>) {
+    let arrows = EventFilter { horizontal_arrows: true, ..EventFilter::default() };
+    ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, arrows));
+    let frame = playback.frame();
+    for (key, to, command) in [
+        (Key::ArrowLeft, frame.checked_sub(1), Command::PreviousFrame),
+        (Key::ArrowRight, Some(frame + 1).filter(|to| *to <= playback.last()), Command::NextFrame),
+    ] {
+        if ui.input_mut(|i| i.consume_key(Modifiers::SHIFT, key)) {
+            asked.extend(to.filter(|_| document.keys.contains(&frame)).map(|to| Asked::MoveKey(frame, to)));
+        } else if ui.input_mut(|i| i.consume_key(Modifiers::NONE, key)) {
+            asked.push(Asked::Do(command));
+        }
+    }
+    if ui.input(|i| i.key_released(Key::Space)) {
+        asked.push(Asked::Do(Command::Play));
+    }
+}
+
 /// Playing, the frame's number, and what is next to correct.
-fn controls(ui: &mut Ui, document: &Document, playback: &Playback) -> Vec<Asked> {
+fn controls(ui: &mut Ui, document: &Document, playback: &Playback, onion: Option<&mut Onion>) -> Vec<Asked> {
     let mut asked = Vec::new();
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = 2.0;
@@ -153,7 +181,17 @@ fn controls(ui: &mut Ui, document: &Document, playback: &Playback) -> Vec<Asked>
                 asked.push(Asked::Do(Command::Loop));
             }
         });
-        ui.add_space(10.0);
+        held(ui, playback, &mut asked);
+        ui.add_space(8.0);
+        if let Some(onion) = onion {
+            let hint = crate::shortcuts::hint(ui.ctx(), texts::ONION, Command::Onion);
+            if widgets::icon_toggle(ui, Icon::Onion, texts::ONION, onion.on).on_hover_text(hint).clicked() {
+                onion.on ^= true;
+            }
+            let menu = widgets::icon_button(ui, Icon::Sliders, texts::ONION_SETTINGS);
+            Popup::menu(&menu).close_behavior(PopupCloseBehavior::CloseOnClickOutside).show(|ui| onion.settings(ui));
+            ui.add_space(8.0);
+        }
         let seconds = playback.frame() as f64 / playback.fps();
         ui.label(RichText::new(texts::place_in_time(playback.frame(), document.frames(), seconds)).monospace());
         let corrections = document.tracked.as_ref().map_or(0, |t| t.corrections.len());
@@ -169,6 +207,20 @@ fn controls(ui: &mut Ui, document: &Document, playback: &Playback) -> Vec<Asked>
         });
     });
     asked
+}
+
+/// For how many frames each picture is held.
+fn held(ui: &mut Ui, playback: &Playback, asked: &mut Vec<Asked>) {
+    let list = ComboBox::from_id_salt("held").width(84.0).selected_text(texts::held(playback.held));
+    let list = list.show_ui(ui, |ui| {
+        for frames in 1..=4 {
+            let on = playback.held == frames;
+            if ui.selectable_label(on, texts::held(frames)).clicked() && !on {
+                asked.push(Asked::Hold(frames));
+            }
+        }
+    });
+    list.response.accessible_name(texts::HELD).on_hover_text(texts::HELD_HINT);
 }
 
 /// Small pictures side by side, each as wide as it is; the strip is filled whatever its width.

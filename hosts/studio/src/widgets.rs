@@ -27,7 +27,8 @@ pub(crate) fn icon_toggle(ui: &mut Ui, icon: Icon, text: &str, on: bool) -> Resp
     plain_icon(ui, icon, text, on).on_hover_text(text)
 }
 
-fn plain_icon(ui: &mut Ui, icon: Icon, text: &str, on: bool) -> Response {
+/// Without a tooltip.
+pub(crate) fn plain_icon(ui: &mut Ui, icon: Icon, text: &str, on: bool) -> Response {
     let (rect, response) = ui.allocate_exact_size(Vec2::splat(ICON_BUTTON), Sense::click());
     response.widget_info(|| WidgetInfo::selected(Role::Button, ui.is_enabled(), on, text));
     let palette = Palette::of(ui);

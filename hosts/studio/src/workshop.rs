@@ -51,10 +51,12 @@ impl Workshop {
             around.notices.done(texts::recovered(document.state.recovered));
         }
         let (frames, fps) = document.clip.as_ref().map_or((0, 0.0), |(_, info)| (info.frames, info.fps));
+        let mut playback = Playback::new(frames, fps, !around.preferences.once);
+        playback.held = around.preferences.held.max(1);
         Self {
             frames: document.clip.as_ref().map(|(clip, info)| Frames::new(gui, clip.clone(), info)),
             timeline: Timeline::default(),
-            playback: Playback::new(frames, fps, !around.preferences.once),
+            playback,
             running: None,
             export: None,
             moving: None,
@@ -94,12 +96,20 @@ impl Workshop {
         }
     }
 
+    /// Each picture is held for so many frames while it plays.
+    pub(crate) fn hold(&mut self, frames: u64, around: &mut Around) {
+        self.playback.held = frames;
+        around.preferences.held = frames;
+    }
+
     /// What moves was made anew; it plays.
     pub(crate) fn show_moving(&mut self, moving: Moving, now: f64) {
         if let Ok((frames, fps)) = moving.frames() {
             let (frame, first) = (self.playback.frame(), self.moving.is_none());
             let playing = self.playback.playing() || first;
+            let held = self.playback.held;
             self.playback = Playback::new(frames, fps, self.playback.looped);
+            self.playback.held = held;
             self.playback.seek(frame, now);
             if playing {
                 self.playback.toggle(now);

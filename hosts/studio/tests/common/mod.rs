@@ -2,17 +2,23 @@
 #![allow(dead_code, unreachable_pub, reason = "each test file uses its share")]
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
+pub mod gestures;
+
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
-use marey_studio::egui::{Pos2, Theme, vec2};
+use egui_kittest::{Harness, HarnessBuilder, TestRenderer};
+use marey_studio::egui::{Context, FullOutput, Pos2, TexturesDelta, Theme, vec2};
 use marey_studio::{Places, Studio};
 
 /// Longer than anything here takes on a slow machine.
 const PATIENCE: Duration = Duration::from_secs(120);
+
+/// Of the window, in points, and of the frame that the harness lays around it.
+pub const SIZE: (u32, u32) = (1360, 860);
+pub const EDGE: u32 = 8;
 
 /// A person at the studio, with folders of their own.
 pub struct Desk {
@@ -25,6 +31,13 @@ impl Desk {
         Self::in_folder(Arc::new(tempfile::tempdir().unwrap()), Theme::Dark)
     }
 
+    /// The same, with a program that tries plugins.
+    pub fn with_probe(program: &Path) -> Self {
+        let folder = Arc::new(tempfile::tempdir().unwrap());
+        let places = places(folder.path()).with_probe(program);
+        Self { harness: start(builder(), places), folder }
+    }
+
     /// The studio started once more.
     pub fn again(self) -> Self {
         let folder = self.folder.clone();
@@ -33,14 +46,8 @@ impl Desk {
     }
 
     pub fn in_folder(folder: Arc<tempfile::TempDir>, theme: Theme) -> Self {
-        std::fs::create_dir_all(folder.path().join("home")).unwrap();
-        let places = Places::in_folder(&folder.path().join("data"), &folder.path().join("home")).unwrap();
-        let harness = Harness::builder()
-            .with_size(vec2(1376.0, 876.0))
-            .with_theme(theme)
-            .with_step_dt(1.0 / 60.0)
-            .with_render_cursor(false)
-            .build_ui_state(|ui, studio: &mut Studio| studio.ui(ui), Studio::new(places).unwrap());
+        let builder = builder().with_theme(theme);
+        let harness = start(builder, places(folder.path()));
         Self { harness, folder }
     }
 
@@ -114,8 +121,44 @@ impl Desk {
     }
 }
 
+fn builder() -> HarnessBuilder<Studio> {
+    let (width, height) = (SIZE.0 + 2 * EDGE, SIZE.1 + 2 * EDGE);
+    let builder = Harness::builder().with_size(vec2(width as f32, height as f32));
+    // A name may be in any script.
+    builder.with_step_dt(1.0 / 60.0).with_render_cursor(false).allow_missing_glyphs()
+}
+
+fn places(folder: &Path) -> Places {
+    std::fs::create_dir_all(folder.join("home")).unwrap();
+    Places::in_folder(&folder.join("data"), &folder.join("home")).unwrap()
+}
+
+fn start(builder: HarnessBuilder<Studio>, places: Places) -> Harness<'static, Studio> {
+    let mut studio = Studio::new(places).unwrap();
+    studio.ask_for_paths();
+    builder.build_ui_state(|ui, studio: &mut Studio| studio.ui(ui), studio)
+}
+
+/// The studio alone, with another renderer.
+pub fn harness(folder: &Path, renderer: impl TestRenderer + 'static) -> Harness<'static, Studio> {
+    start(builder().renderer(renderer), places(folder))
+}
+
+/// Draws nothing, and forgets textures where the harness's own would keep them until it draws.
+pub struct Nothing;
+
+impl TestRenderer for Nothing {
+    fn handle_delta(&mut self, delta: &mut TexturesDelta) {
+        delta.clear();
+    }
+
+    fn render(&mut self, _: &Context, _: &FullOutput) -> Result<image::RgbaImage, String> {
+        Err("it draws nothing".into())
+    }
+}
+
 #[derive(Debug)]
-struct Dropped(PathBuf);
+pub struct Dropped(pub PathBuf);
 
 impl marey_studio::egui::DroppedFile for Dropped {
     fn path(&self) -> &Path {
