@@ -4,7 +4,7 @@
 use marey::export::gltf::{GltfOptions, glb, parse_creature, read_creature};
 use marey::job::Progress;
 use marey::shape::RiggedModel;
-use marey::shape::creature::{Creature, CreatureLimb, Hold};
+use marey::shape::creature::{Creature, CreatureLimb, Hold, SettledPose};
 use proptest::prelude::*;
 
 use crate::model::{add_island, animal};
@@ -23,6 +23,10 @@ fn creature(frames: usize) -> Creature {
         radius: 5.25,
         offset: 6.0,
         settled: vec![marey::Vec2::new(0.5, -1.25); 6],
+        settled_poses: vec![SettledPose {
+            stroke: (0..6).map(|k| marey::Vec2::new(9.0 * k as f32, 0.25)).collect(),
+            moved: vec![marey::Vec2::new(0.75, -1.5); 6],
+        }],
     };
     let body = |at_end| Some(Hold { limb: 0, at_end });
     let limbs =
