@@ -283,18 +283,19 @@ fn marks_of_another_clip_are_refused_and_a_cancel_stops() {
 
 #[test]
 fn the_tip_of_a_nodding_bar_is_kept() {
+    type Paint = fn(f32, f32) -> Rgb<u8>;
+    type Turn = fn(f32) -> f32;
     // Small pictures of a bar with a grain as fine as its steps, and of one that is only shaded.
-    let grained = |along: f32, across: f32| {
+    let grained: Paint = |along, across| {
         let (u, v) = (along as i32, across as i32);
         let grain = ((u / 7 + v / 5).rem_euclid(2) * 60 + (u * 3 + v * 5).rem_euclid(40)) as u8;
         Rgb([30 + grain, 40, 90])
     };
-    let shaded = |along: f32, across: f32| {
+    let shaded: Paint = |along, across| {
         let light = (10.0 * (0.08 * along).sin() + 2.0 * across.abs()) as i32;
         Rgb([90, 60, 50].map(|c| (c + light) as u8))
     };
-    let nodding: [(&dyn Fn(f32, f32) -> Rgb<u8>, fn(f32) -> f32); 2] =
-        [(&grained, |f| 0.06 * f), (&shaded, |f| 0.1 + 0.35 * (0.15 * f).sin())];
+    let nodding: [(Paint, Turn); 2] = [(grained, |f| 0.06 * f), (shaded, |f| 0.1 + 0.35 * (0.15 * f).sin())];
     for (paint, turn) in nodding {
         let root = vec2(60.0, 60.0);
         let away = |f: usize| Vec2::from_angle(turn(f as f32));
