@@ -232,7 +232,7 @@ fn all() -> impl Iterator<Item = &'static Shortcut> {
 const PLAYS: KeyboardShortcut = KeyboardShortcut::new(Modifiers::NONE, Key::Space);
 
 /// The commands whose keys were pressed. Keys without Ctrl are left to a text that is being typed, and those that move
-/// or press a widget that has the focus to the widget. The space bar is not among them, see [`play_released`].
+/// or press a widget that has the focus to the widget. The space bar is not among them, see [`space_released`].
 pub(crate) fn pressed(ctx: &Context) -> Vec<Command> {
     if covered(ctx) {
         return Vec::new();
