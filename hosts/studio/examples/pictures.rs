@@ -87,7 +87,7 @@ fn creature(desk: &mut Desk, save: Save<'_>) {
     let leg = [(317.0, 246.0), (335.0, 285.0), (300.0, 305.0), (262.0, 312.0)];
     desk.press_along(&leg);
     save(desk, "drawing");
-    desk.harness.drop_at(desk.harness.state().open().unwrap().on_screen(leg[3]));
+    desk.harness.drop_at(desk.open().on_screen(leg[3]));
     desk.harness.run_steps(3);
     desk.click("To the start");
     desk.rest(300);
@@ -122,7 +122,7 @@ fn creature(desk: &mut Desk, save: Save<'_>) {
     desk.click("Paint what is not the creature");
     desk.press_along(&[(230.0, 330.0), (280.0, 335.0), (330.0, 332.0)]);
     save(desk, "paint");
-    desk.harness.drop_at(desk.harness.state().open().unwrap().on_screen((330.0, 332.0)));
+    desk.harness.drop_at(desk.open().on_screen((330.0, 332.0)));
     desk.harness.run_steps(3);
     desk.harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
     desk.harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
@@ -142,9 +142,7 @@ fn creature(desk: &mut Desk, save: Save<'_>) {
     desk.rest(300);
     let settings = desk.harness.query_all_by_label_contains("Settings: ").map(|n| n.rect().center()).next();
     if let Some(at) = settings {
-        desk.harness.hover_at(at);
-        desk.harness.drag_at(at);
-        desk.harness.drop_at(at);
+        desk.click_at(at);
         desk.rest(400);
     }
     save(desk, "plugins");
@@ -224,11 +222,8 @@ fn drawing(desk: &mut Desk, save: Save<'_>) {
         (425.0, 290.0),
         (500.0, 334.0),
     ] {
-        let at = desk.harness.state().open().unwrap().on_screen(at);
-        desk.harness.hover_at(at);
-        desk.harness.drag_at(at);
-        desk.harness.drop_at(at);
-        desk.harness.run_steps(3);
+        let at = desk.open().on_screen(at);
+        desk.click_at(at);
     }
     desk.wait("the points", |s| s.open().is_some_and(|o| !o.is_busy()));
     desk.rest(800);

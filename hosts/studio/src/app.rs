@@ -10,6 +10,7 @@ use crate::character_door::CharacterDoor;
 use crate::creature_door::CreatureDoor;
 use crate::document::{Document, Door};
 use crate::drawing_door::DrawingDoor;
+use crate::export::{ExportDialog, path_for};
 use crate::help::Help;
 use crate::icons::Icon;
 use crate::notices::Notices;
@@ -38,6 +39,16 @@ impl Screen {
             Self::Creature(door) => Some(&door.document),
             Self::Character(door) => Some(&door.shop.document),
             Self::Drawing(door) => Some(&door.shop.document),
+            Self::Start(_) | Self::Opening(_) => None,
+        }
+    }
+
+    /// What is open, and the dialog for its exports where that is open.
+    fn at_work(&mut self) -> Option<(&mut Document, Option<&mut ExportDialog>)> {
+        match self {
+            Self::Creature(door) => Some((&mut door.document, door.export.as_mut())),
+            Self::Character(door) => Some((&mut door.shop.document, door.shop.export.as_mut())),
+            Self::Drawing(door) => Some((&mut door.shop.document, door.shop.export.as_mut())),
             Self::Start(_) | Self::Opening(_) => None,
         }
     }
@@ -208,29 +219,25 @@ impl Studio {
                 (Ask::Picture, Screen::Start(_)) => self.open_source(Source::Picture(path), ui.ctx()),
                 (Ask::Clip | Ask::Session, _) => self.take_file(&path, None, ui.ctx()),
                 (Ask::Picture | Ask::Drawing | Ask::Motion, _) => self.take_file(&path, Some(&ask), ui.ctx()),
-                (Ask::SaveAs { .. }, Screen::Character(door)) => door.shop.save_as(&path, &mut self.around),
-                (Ask::SaveAs { .. }, Screen::Drawing(door)) => door.shop.save_as(&path, &mut self.around),
-                (Ask::ExportFile { .. }, Screen::Character(door)) => door.shop.set_export_path(&path),
-                (Ask::ExportFile { .. }, Screen::Drawing(door)) => door.shop.set_export_path(&path),
-                (Ask::ExportFolder { .. }, Screen::Character(door)) => {
-                    door.shop.set_export_folder(&path, &mut self.around);
+                (Ask::SaveAs { .. }, screen) => {
+                    if let Some((document, _)) = screen.at_work() {
+                        document.save_under(&path, &mut self.around);
+                    }
                 }
-                (Ask::ExportFolder { .. }, Screen::Drawing(door)) => {
-                    door.shop.set_export_folder(&path, &mut self.around);
+                (Ask::ExportFile { .. }, screen) => {
+                    if let Some((_, Some(dialog))) = screen.at_work() {
+                        dialog.set_path(&path);
+                    }
                 }
-                (Ask::SaveAs { .. }, Screen::Creature(_)) => self.with_door(|door, around| door.save_as(&path, around)),
-                (Ask::ExportFile { .. }, Screen::Creature(door)) => door.set_export_path(&path),
-                (Ask::ExportFolder { .. }, Screen::Creature(_)) => self.with_door(|door, around| {
-                    around.preferences.export.folder = Some(path.clone());
-                    let name = crate::export::path_for(
-                        &around.preferences.export,
-                        door.document.door(),
-                        &path,
-                        &door.document.title,
-                    );
-                    door.set_export_path(&name);
-                }),
-                _ => {}
+                (Ask::ExportFolder { .. }, screen) => {
+                    if let Some((document, dialog)) = screen.at_work() {
+                        let settings = &mut self.around.preferences.export;
+                        settings.folder = Some(path.clone());
+                        if let Some(dialog) = dialog {
+                            dialog.set_path(&path_for(settings, document.door(), &path, &document.title));
+                        }
+                    }
+                }
             }
         }
         if let Screen::Opening(opening) = &self.screen
@@ -270,12 +277,6 @@ impl Studio {
         }
     }
 
-    fn with_door(&mut self, act: impl FnOnce(&mut CreatureDoor, &mut Around)) {
-        if let Screen::Creature(door) = &mut self.screen {
-            act(door, &mut self.around);
-        }
-    }
-
     fn open_source(&mut self, source: Source, gui: &egui::Context) {
         self.leave();
         let plugins = self.around.plugins.as_ref().map(Plugins::first_look).unwrap_or_default();
@@ -285,8 +286,8 @@ impl Studio {
     fn leave(&mut self) {
         match std::mem::replace(&mut self.screen, Screen::Start(None)) {
             Screen::Creature(door) => door.leave(&mut self.around),
-            Screen::Character(door) => door.shop.leave(&mut self.around),
-            Screen::Drawing(door) => door.shop.leave(&mut self.around),
+            Screen::Character(door) => door.shop.document.leave(&mut self.around),
+            Screen::Drawing(door) => door.shop.document.leave(&mut self.around),
             Screen::Start(_) | Screen::Opening(_) => {}
         }
     }

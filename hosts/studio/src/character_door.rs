@@ -121,11 +121,10 @@ impl CharacterDoor {
     /// Starts what can be filled in next, after every change.
     fn go_on(&mut self, around: &mut Around) {
         let wanted = self.next_step();
-        if let Some(running) = &self.shop.running {
+        if let Some(running) = &mut self.shop.running {
             let step = matches!(running.purpose, Purpose::Step(_));
             if step && wanted.is_some() && self.begun != wanted {
-                // It is not a person who cancels it.
-                let _ = running.job.cancel();
+                running.give_up();
             }
             return;
         }

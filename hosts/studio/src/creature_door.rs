@@ -3,10 +3,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use eframe::egui::{
-    Align, CentralPanel, Context as Gui, Frame, Label, Layout, Margin, Panel, Pos2, ProgressBar, Rect, RichText, Ui,
-    Vec2, vec2,
-};
+use eframe::egui::{Align, CentralPanel, Context as Gui, Frame, Layout, Margin, Panel, Pos2, Rect, Ui, Vec2, vec2};
 use marey_binding::{Creature, Facing, Masks};
 
 use crate::around::Around;
@@ -16,7 +13,6 @@ use crate::export::{self, ExportDialog, Exported, ShownCreature};
 use crate::frames::Frames;
 use crate::icons::Icon;
 use crate::limbs_panel::{self, LimbsPanel};
-use crate::picker::Ask;
 use crate::playback::Playback;
 use crate::running::{Ended, Purpose, Running};
 use crate::shortcuts::Command;
@@ -44,7 +40,7 @@ pub(crate) struct CreatureDoor {
     pub(crate) selected: Option<usize>,
     running: Option<Running>,
     made: Option<Made>,
-    export: Option<ExportDialog>,
+    pub(crate) export: Option<ExportDialog>,
     /// Whether it is shown by what the creature is made.
     methods: bool,
     /// Whether the list of plugins was asked for.
@@ -55,12 +51,7 @@ pub(crate) struct CreatureDoor {
 
 impl CreatureDoor {
     pub(crate) fn new(gui: &Gui, document: Document, around: &mut Around) -> Self {
-        for warning in document.warnings().unwrap_or_default() {
-            around.notices.failed(warning);
-        }
-        if document.state.recovered > 0 {
-            around.notices.done(texts::recovered(document.state.recovered));
-        }
+        document.greet(around);
         let fps = document.clip.as_ref().map_or(0.0, |(_, info)| info.fps);
         let mut door = Self {
             frames: None,
@@ -114,23 +105,10 @@ impl CreatureDoor {
         self.document.clip.as_ref().map_or(Vec2::ZERO, |(_, i)| vec2(i.width as f32, i.height as f32))
     }
 
-    /// Leaves the document as it should be found again: saved where it has a name, kept where it was worked on, and
-    /// gone where it was only opened.
-    pub(crate) fn leave(mut self, around: &mut Around) {
-        // A job has nothing to give to a session that is gone.
-        self.running = None;
-        let path = self.document.path();
-        if self.document.state.untitled && !self.document.is_worked_on() {
-            path.iter().for_each(|path| around.preferences.forget(path));
-            around.notices.check(self.document.discard());
-            return;
-        }
-        if let Some(path) = path {
-            around.preferences.remember(&path, &self.document.title);
-        }
-        if !self.document.state.untitled && self.document.state.modified {
-            around.notices.check(self.document.save());
-        }
+    /// The document, to be left. A job has nothing to give to a session that is gone.
+    pub(crate) fn leave(self, around: &mut Around) {
+        drop(self.running);
+        self.document.leave(around);
     }
 
     /// Draws everything, and does what was asked for.
@@ -148,8 +126,9 @@ impl CreatureDoor {
         let palette = Palette::of(ui);
         let plain = Frame::new().fill(palette.panel).inner_margin(Margin::symmetric(theme::PAD, 8));
 
-        if self.running.is_some() {
-            Panel::top("progress").frame(plain).show(ui, |ui| self.progress(ui));
+        if let Some(running) = &mut self.running {
+            Panel::top("progress").frame(plain).show(ui, |ui| running.show(ui, self.document.frames()));
+            ui.ctx().request_repaint_after(std::time::Duration::from_millis(50));
         }
         let timeline = Panel::bottom("timeline").frame(plain).resizable(false).show(ui, |ui| {
             ui.set_min_height(timeline::HEIGHT - 36.0);
@@ -278,35 +257,6 @@ impl CreatureDoor {
         self.running.as_ref().is_some_and(|r| r.purpose == Purpose::Creature)
     }
 
-    fn progress(&mut self, ui: &mut Ui) {
-        let frames = self.document.frames();
-        let Some(running) = &mut self.running else { return };
-        ui.horizontal(|ui| {
-            let what = match &running.purpose {
-                Purpose::Creature => texts::MAKING,
-                Purpose::Track => texts::TRACKING,
-                Purpose::Export { .. } => texts::EXPORTING,
-                Purpose::Step(step) => texts::step(*step),
-            };
-            ui.label(RichText::new(what).strong());
-            let line = running.text(frames);
-            ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-                if ui.button(texts::CANCEL).clicked() {
-                    running.cancel();
-                }
-                // As wide as its longest text, so that the bar does not jump.
-                ui.allocate_ui_with_layout(vec2(330.0, 24.0), Layout::left_to_right(Align::Center), |ui| {
-                    ui.set_min_width(330.0);
-                    ui.add(Label::new(RichText::new(line).color(Palette::of(ui).weak)).truncate());
-                });
-                let (wide, fill) = (ui.available_width(), Palette::of(ui).accent);
-                let bar = ProgressBar::new(running.fraction()).desired_height(8.0).desired_width(wide).fill(fill);
-                ui.add(bar).accessible_name(what);
-            });
-        });
-        ui.ctx().request_repaint_after(std::time::Duration::from_millis(50));
-    }
-
     /// Takes in what a job made.
     fn watch(&mut self, ui: &Ui, around: &mut Around) {
         let Some(ended) = self.running.as_mut().and_then(Running::poll) else { return };
@@ -423,9 +373,12 @@ impl CreatureDoor {
 
     /// Does what a key or a button asked for.
     pub(crate) fn command(&mut self, command: Command, gui: &Gui, around: &mut Around) {
-        let (now, frame, last) = (gui.input(|i| i.time), self.playback.frame(), self.playback.last());
-        let size = self.clip_size();
+        let (now, frame, size) = (gui.input(|i| i.time), self.playback.frame(), self.clip_size());
         if self.canvas.command(command, self.panel, size) || self.view3d.command(command) {
+            return;
+        }
+        if self.playback.command(command, &self.document.keys, now) {
+            around.preferences.once = !self.playback.looped;
             return;
         }
         match command {
@@ -446,22 +399,6 @@ impl CreatureDoor {
                     self.selected = None;
                 }
             }
-            Command::Play => self.playback.toggle(now),
-            Command::NextFrame => self.playback.seek(if frame == last { 0 } else { frame + 1 }, now),
-            Command::PreviousFrame => self.playback.seek(frame.checked_sub(1).unwrap_or(last), now),
-            Command::FirstFrame => self.playback.seek(0, now),
-            Command::LastFrame => self.playback.seek(last, now),
-            Command::NextKey | Command::PreviousKey => {
-                let keys = &self.document.keys;
-                let to = if command == Command::NextKey {
-                    keys.iter().find(|k| **k > frame).or(keys.first())
-                } else {
-                    keys.iter().rev().find(|k| **k < frame).or(keys.last())
-                };
-                if let Some(to) = to {
-                    self.playback.seek(*to, now);
-                }
-            }
             Command::NextCorrection => {
                 let worst = self.document.tracked.as_ref().and_then(|t| t.corrections.first()).copied();
                 if let Some(worst) = worst {
@@ -469,10 +406,6 @@ impl CreatureDoor {
                     self.playback.seek(worst.frame, now);
                     self.selected = Some(worst.track as usize).filter(|limb| *limb < self.document.limbs.len());
                 }
-            }
-            Command::Loop => {
-                self.playback.looped ^= true;
-                around.preferences.once = !self.playback.looped;
             }
             Command::Onion => around.preferences.onion.on ^= true,
             Command::Facing => {
@@ -507,34 +440,9 @@ impl CreatureDoor {
                 let path = export::path_for(settings, Door::Creature, home, &self.document.title);
                 self.start_export(&path, around);
             }
-            Command::Save => match self.document.named_path() {
-                Some(_) => {
-                    let saved = self.document.save();
-                    around.notices.check(saved);
-                }
-                None => self.ask_name(gui, around),
-            },
-            Command::SaveAs => self.ask_name(gui, around),
+            Command::Save => self.document.save_or_ask(gui, around),
+            Command::SaveAs => self.document.ask_name(gui, around),
             _ => {}
-        }
-    }
-
-    fn ask_name(&mut self, gui: &Gui, around: &mut Around) {
-        let named = self.document.named_path();
-        let folder = named.as_deref().and_then(Path::parent).unwrap_or(&around.places.home).to_owned();
-        around.picker.ask(gui, Ask::SaveAs { folder, name: texts::session_file(&self.document.title) });
-    }
-
-    /// Saves under a name that was chosen.
-    pub(crate) fn save_as(&mut self, path: &Path, around: &mut Around) {
-        let ending = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("marey"));
-        let path = if ending { path.to_owned() } else { texts::with_session_ending(path) };
-        let before = self.document.path();
-        if around.notices.check(self.document.save_as(&path)).is_some() {
-            if let Some(before) = before.filter(|b| *b != path) {
-                around.preferences.recent.retain(|r| r.path != before || before.exists());
-            }
-            around.preferences.remember(&path, &self.document.title);
         }
     }
 
@@ -548,13 +456,6 @@ impl CreatureDoor {
         self.selected = None;
         self.follow();
         true
-    }
-
-    /// Where the export goes was chosen.
-    pub(crate) fn set_export_path(&mut self, path: &Path) {
-        if let Some(dialog) = &mut self.export {
-            dialog.set_path(path);
-        }
     }
 
     fn exported(&self) -> Option<Exported<'_>> {
@@ -578,15 +479,8 @@ impl CreatureDoor {
             Some(export::Asked::Close) => {}
             Some(export::Asked::Export(path)) => self.start_export(&path, around),
             Some(export::Asked::Browse) => {
-                let path = dialog.path();
-                let folder = path.parent().filter(|p| p.is_dir()).unwrap_or(&around.places.home).to_owned();
-                let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-                let ask = if around.preferences.export.format.is_folder() {
-                    Ask::ExportFolder { folder }
-                } else {
-                    Ask::ExportFile { folder, name }
-                };
-                around.picker.ask(ui.ctx(), ask);
+                let folders = around.preferences.export.format(Door::Creature).is_folder();
+                around.picker.ask(ui.ctx(), dialog.browse(folders, &around.places.home));
                 self.export = Some(dialog);
             }
             None => self.export = Some(dialog),
@@ -602,12 +496,6 @@ impl CreatureDoor {
             around.notices.failed(texts::MAKE_FIRST);
             return;
         };
-        // What was typed may be a name alone.
-        let path = &around.places.home.join(path);
-        let started = around.preferences.export.start(&around.context, &exported, path);
-        if let Some((job, purpose)) = around.notices.check(started) {
-            around.preferences.export.folder = path.parent().map(Path::to_owned);
-            self.running = Some(Running::new(job, purpose));
-        }
+        self.running = export::start(&exported, path, around);
     }
 }

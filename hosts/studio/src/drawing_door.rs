@@ -166,8 +166,7 @@ impl DrawingDoor {
             let outdated = matches!(running.purpose, Purpose::Step(step) if step != Step::Rebind)
                 && self.begun.as_ref() != wanted.as_ref();
             if outdated && wanted.is_some() {
-                // It is not a person who cancels it.
-                let _ = running.job.cancel();
+                running.give_up();
             }
             return;
         }

@@ -13,10 +13,12 @@ use marey_binding::{
 };
 use serde::{Deserialize, Serialize};
 
+use crate::around::Around;
 use crate::background::Background;
 use crate::document::Door;
 use crate::moving::Moving;
-use crate::running::Purpose;
+use crate::picker::Ask;
+use crate::running::{Purpose, Running};
 use crate::theme::{self, Palette};
 use crate::{texts, view3d, widgets};
 
@@ -240,12 +242,7 @@ impl ExportSettings {
     }
 
     /// Starts writing; the purpose says where to.
-    pub(crate) fn start(
-        &self,
-        context: &Context,
-        exported: &Exported<'_>,
-        path: &Path,
-    ) -> Result<(Job, Purpose), Error> {
+    fn start(&self, context: &Context, exported: &Exported<'_>, path: &Path) -> Result<(Job, Purpose), Error> {
         let at = path.to_string_lossy();
         let exported = match exported {
             Exported::Creature(creature) => creature,
@@ -275,6 +272,15 @@ impl ExportSettings {
         let job = context.start_render(exported.creature, &pictures, &file)?;
         Ok((job, Purpose::Export { path: path.to_owned(), pictures: true }))
     }
+}
+
+/// Starts an export, and remembers where it goes. What was typed may be a name alone, which is one in the person's folder.
+pub(crate) fn start(exported: &Exported<'_>, path: &Path, around: &mut Around) -> Option<Running> {
+    let path = around.places.home.join(path);
+    let started = around.preferences.export.start(&around.context, exported, &path);
+    let (job, purpose) = around.notices.check(started)?;
+    around.preferences.export.folder = path.parent().map(Path::to_owned);
+    Some(Running::new(job, purpose))
 }
 
 /// The file that an export of `title` is written to when nothing else is said.
@@ -351,8 +357,14 @@ impl ExportDialog {
         self.exists = path.exists();
     }
 
-    pub(crate) fn path(&self) -> &Path {
-        Path::new(&self.path)
+    /// The question for another place, a folder's where `folders`.
+    pub(crate) fn browse(&self, folders: bool, home: &Path) -> Ask {
+        let path = Path::new(&self.path);
+        let folder = path.parent().filter(|p| p.is_dir()).unwrap_or(home).to_owned();
+        if folders {
+            return Ask::ExportFolder { folder };
+        }
+        Ask::ExportFile { folder, name: path.file_name().unwrap_or_default().to_string_lossy().into_owned() }
     }
 
     pub(crate) fn show(

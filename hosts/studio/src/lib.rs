@@ -23,6 +23,7 @@ mod frames;
 mod handles;
 mod help;
 mod icons;
+mod keeping;
 mod limbs_panel;
 mod marks;
 mod methods;

@@ -1,5 +1,7 @@
 //! The frame that is shown, and its course while it plays.
 
+use crate::shortcuts::Command;
+
 /// Frames against the window's clock.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Playback {
@@ -57,6 +59,32 @@ impl Playback {
         if self.since.is_some() {
             self.since = Some((now, self.frame));
         }
+    }
+
+    /// Does a command that is about what is shown, over a document with these key frames; false for another.
+    pub(crate) fn command(&mut self, command: Command, keys: &[u64], now: f64) -> bool {
+        let (frame, last) = (self.frame, self.last());
+        let to = match command {
+            Command::Play => {
+                self.toggle(now);
+                None
+            }
+            Command::Loop => {
+                self.looped ^= true;
+                None
+            }
+            Command::NextFrame => Some(if frame == last { 0 } else { frame + 1 }),
+            Command::PreviousFrame => Some(frame.checked_sub(1).unwrap_or(last)),
+            Command::FirstFrame => Some(0),
+            Command::LastFrame => Some(last),
+            Command::NextKey => keys.iter().find(|k| **k > frame).or(keys.first()).copied(),
+            Command::PreviousKey => keys.iter().rev().find(|k| **k < frame).or(keys.last()).copied(),
+            _ => return false,
+        };
+        if let Some(to) = to {
+            self.seek(to, now);
+        }
+        true
     }
 
     /// The frame for this moment.

@@ -3,9 +3,11 @@
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
+use eframe::egui::{Align, Label, Layout, ProgressBar, RichText, Ui, vec2};
 use marey_binding::{Error, Job, JobState, Status};
 
 use crate::texts;
+use crate::theme::Palette;
 
 /// Before so much is done, nothing can be said of the rest.
 const KNOWN: (Duration, f64) = (Duration::from_millis(700), 0.03);
@@ -103,12 +105,37 @@ impl Running {
         let _ = self.job.cancel();
     }
 
-    pub(crate) fn fraction(&self) -> f32 {
-        self.state.fraction as f32
+    /// How far it is, and a button that stops it.
+    pub(crate) fn show(&mut self, ui: &mut Ui, frames: u64) {
+        let palette = Palette::of(ui);
+        ui.horizontal(|ui| {
+            let what = match &self.purpose {
+                Purpose::Creature => texts::MAKING,
+                Purpose::Track => texts::TRACKING,
+                Purpose::Export { .. } => texts::EXPORTING,
+                Purpose::Step(step) => texts::step(*step),
+            };
+            ui.label(RichText::new(what).strong());
+            let line = self.text(frames);
+            ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+                if ui.button(texts::CANCEL).clicked() {
+                    self.cancel();
+                }
+                // As wide as its longest text, so that the bar does not jump.
+                ui.allocate_ui_with_layout(vec2(330.0, 24.0), Layout::left_to_right(Align::Center), |ui| {
+                    ui.set_min_width(330.0);
+                    ui.add(Label::new(RichText::new(line).color(palette.weak)).truncate());
+                });
+                let (wide, fill) = (ui.available_width(), palette.accent);
+                let bar =
+                    ProgressBar::new(self.state.fraction as f32).desired_height(8.0).desired_width(wide).fill(fill);
+                ui.add(bar).accessible_name(what);
+            });
+        });
     }
 
     /// Its line for a person.
-    pub(crate) fn text(&self, frames: u64) -> String {
+    fn text(&self, frames: u64) -> String {
         if self.cancelled {
             return texts::STOPPING.into();
         }

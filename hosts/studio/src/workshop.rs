@@ -2,9 +2,7 @@
 
 use std::path::Path;
 
-use eframe::egui::{
-    Align, Context as Gui, Frame, Label, Layout, Margin, Panel, ProgressBar, RichText, Slider, Ui, vec2,
-};
+use eframe::egui::{Context as Gui, Frame, Margin, Panel, RichText, Slider, Ui};
 
 use crate::around::Around;
 use crate::document::Document;
@@ -12,7 +10,6 @@ use crate::export::{self, ExportDialog, Exported};
 use crate::frames::Frames;
 use crate::icons::Icon;
 use crate::moving::{Moving, MovingPictures};
-use crate::picker::Ask;
 use crate::playback::Playback;
 use crate::running::{Ended, Purpose, Running, Step};
 use crate::shortcuts::Command;
@@ -36,7 +33,7 @@ pub(crate) struct Workshop {
     pub(crate) timeline: Timeline,
     pub(crate) playback: Playback,
     pub(crate) running: Option<Running>,
-    export: Option<ExportDialog>,
+    pub(crate) export: Option<ExportDialog>,
     /// What was made to move.
     pub(crate) moving: Option<Moving>,
     pub(crate) pictures: MovingPictures,
@@ -44,12 +41,7 @@ pub(crate) struct Workshop {
 
 impl Workshop {
     pub(crate) fn new(gui: &Gui, document: Document, around: &mut Around) -> Self {
-        for warning in document.warnings().unwrap_or_default() {
-            around.notices.failed(warning);
-        }
-        if document.state.recovered > 0 {
-            around.notices.done(texts::recovered(document.state.recovered));
-        }
+        document.greet(around);
         let (frames, fps) = document.clip.as_ref().map_or((0, 0.0), |(_, info)| (info.frames, info.fps));
         let mut playback = Playback::new(frames, fps, !around.preferences.once);
         playback.held = around.preferences.held.max(1);
@@ -62,25 +54,6 @@ impl Workshop {
             moving: None,
             pictures: MovingPictures::new(gui),
             document,
-        }
-    }
-
-    /// Leaves the document as it should be found again: saved where it has a name, kept where it was worked on, and
-    /// gone where it was only opened.
-    pub(crate) fn leave(self, around: &mut Around) {
-        let document = self.document;
-        let path = document.path();
-        if document.state.untitled && !document.is_worked_on() {
-            path.iter().for_each(|path| around.preferences.forget(path));
-            around.notices.check(document.discard());
-            return;
-        }
-        if let Some(path) = path {
-            around.preferences.remember(&path, &document.title);
-        }
-        if !document.state.untitled && document.state.modified {
-            let mut document = document;
-            around.notices.check(document.save());
         }
     }
 
@@ -146,37 +119,14 @@ impl Workshop {
 
     /// How far what runs is; short steps go without a word.
     pub(crate) fn show_progress(&mut self, ui: &mut Ui) {
-        let palette = Palette::of(ui);
-        let frames = self.document.frames();
+        let (palette, frames) = (Palette::of(ui), self.document.frames());
         let Some(running) = &mut self.running else { return };
         ui.ctx().request_repaint_after(std::time::Duration::from_millis(50));
         if !running.is_long() {
             return;
         }
         let plain = Frame::new().fill(palette.panel).inner_margin(Margin::symmetric(theme::PAD, 8));
-        Panel::top("progress").frame(plain).show(ui, |ui| {
-            ui.horizontal(|ui| {
-                let what = match &running.purpose {
-                    Purpose::Step(step) => texts::step(*step),
-                    _ => texts::EXPORTING,
-                };
-                ui.label(RichText::new(what).strong());
-                let line = running.text(frames);
-                ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-                    if ui.button(texts::CANCEL).clicked() {
-                        running.cancel();
-                    }
-                    // As wide as its longest text, so that the bar does not jump.
-                    ui.allocate_ui_with_layout(vec2(330.0, 24.0), Layout::left_to_right(Align::Center), |ui| {
-                        ui.set_min_width(330.0);
-                        ui.add(Label::new(RichText::new(line).color(palette.weak)).truncate());
-                    });
-                    let (wide, fill) = (ui.available_width(), palette.accent);
-                    let bar = ProgressBar::new(running.fraction()).desired_height(8.0).desired_width(wide).fill(fill);
-                    ui.add(bar).accessible_name(what);
-                });
-            });
-        });
+        Panel::top("progress").frame(plain).show(ui, |ui| running.show(ui, frames));
     }
 
     /// Playing without a clip.
@@ -212,7 +162,10 @@ impl Workshop {
 
     /// Does what a key or a button asked for; false for what is the door's.
     pub(crate) fn command(&mut self, command: Command, gui: &Gui, around: &mut Around) -> bool {
-        let (now, frame, last) = (gui.input(|i| i.time), self.playback.frame(), self.playback.last());
+        if self.playback.command(command, &self.document.keys, gui.input(|i| i.time)) {
+            around.preferences.once = !self.playback.looped;
+            return true;
+        }
         match command {
             Command::Undo => {
                 let done = self.document.undo_one();
@@ -221,26 +174,6 @@ impl Workshop {
             Command::Redo => {
                 let done = self.document.redo_one();
                 around.notices.check(done);
-            }
-            Command::Play => self.playback.toggle(now),
-            Command::NextFrame => self.playback.seek(if frame == last { 0 } else { frame + 1 }, now),
-            Command::PreviousFrame => self.playback.seek(frame.checked_sub(1).unwrap_or(last), now),
-            Command::FirstFrame => self.playback.seek(0, now),
-            Command::LastFrame => self.playback.seek(last, now),
-            Command::NextKey | Command::PreviousKey => {
-                let keys = &self.document.keys;
-                let to = if command == Command::NextKey {
-                    keys.iter().find(|k| **k > frame).or(keys.first())
-                } else {
-                    keys.iter().rev().find(|k| **k < frame).or(keys.last())
-                };
-                if let Some(to) = to {
-                    self.playback.seek(*to, now);
-                }
-            }
-            Command::Loop => {
-                self.playback.looped ^= true;
-                around.preferences.once = !self.playback.looped;
             }
             Command::Export => {
                 if self.moving.is_none() {
@@ -256,51 +189,11 @@ impl Workshop {
                 let path = export::path_for(settings, self.document.door(), home, &self.document.title);
                 self.start_export(&path, around);
             }
-            Command::Save => match self.document.named_path() {
-                Some(_) => {
-                    let saved = self.document.save();
-                    around.notices.check(saved);
-                }
-                None => self.ask_name(gui, around),
-            },
-            Command::SaveAs => self.ask_name(gui, around),
+            Command::Save => self.document.save_or_ask(gui, around),
+            Command::SaveAs => self.document.ask_name(gui, around),
             _ => return false,
         }
         true
-    }
-
-    fn ask_name(&mut self, gui: &Gui, around: &mut Around) {
-        let named = self.document.named_path();
-        let folder = named.as_deref().and_then(Path::parent).unwrap_or(&around.places.home).to_owned();
-        around.picker.ask(gui, Ask::SaveAs { folder, name: texts::session_file(&self.document.title) });
-    }
-
-    /// Saves under a name that was chosen.
-    pub(crate) fn save_as(&mut self, path: &Path, around: &mut Around) {
-        let ending = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("marey"));
-        let path = if ending { path.to_owned() } else { texts::with_session_ending(path) };
-        let before = self.document.path();
-        if around.notices.check(self.document.save_as(&path)).is_some() {
-            if let Some(before) = before.filter(|b| *b != path) {
-                around.preferences.recent.retain(|r| r.path != before || before.exists());
-            }
-            around.preferences.remember(&path, &self.document.title);
-        }
-    }
-
-    /// Where the export goes was chosen.
-    pub(crate) fn set_export_path(&mut self, path: &Path) {
-        if let Some(dialog) = &mut self.export {
-            dialog.set_path(path);
-        }
-    }
-
-    /// The folder that the export goes into was chosen.
-    pub(crate) fn set_export_folder(&mut self, folder: &Path, around: &mut Around) {
-        around.preferences.export.folder = Some(folder.to_owned());
-        let (settings, door) = (&around.preferences.export, self.document.door());
-        let path = export::path_for(settings, door, folder, &self.document.title);
-        self.set_export_path(&path);
     }
 
     pub(crate) fn show_export(&mut self, ui: &Ui, around: &mut Around) {
@@ -312,12 +205,8 @@ impl Workshop {
             Some(export::Asked::Close) => {}
             Some(export::Asked::Export(path)) => self.start_export(&path, around),
             Some(export::Asked::Browse) => {
-                let path = dialog.path();
-                let folder = path.parent().filter(|p| p.is_dir()).unwrap_or(&around.places.home).to_owned();
-                let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
                 let folders = around.preferences.export.format(self.document.door()).is_folder();
-                let ask = if folders { Ask::ExportFolder { folder } } else { Ask::ExportFile { folder, name } };
-                around.picker.ask(ui.ctx(), ask);
+                around.picker.ask(ui.ctx(), dialog.browse(folders, &around.places.home));
                 self.export = Some(dialog);
             }
             None => self.export = Some(dialog),
@@ -334,10 +223,6 @@ impl Workshop {
             return;
         };
         let exported = Exported::Moving(moving, self.playback.frame());
-        let started = around.preferences.export.start(&around.context, &exported, path);
-        if let Some((job, purpose)) = around.notices.check(started) {
-            around.preferences.export.folder = path.parent().map(Path::to_owned);
-            self.running = Some(Running::new(job, purpose));
-        }
+        self.running = export::start(&exported, path, around);
     }
 }

@@ -10,15 +10,6 @@ use marey_studio::egui::{Key, Modifiers};
 
 const CTRL: Modifiers = Modifiers::COMMAND;
 
-fn keys(desk: &mut Desk, modifiers: Modifiers, key: Key) {
-    desk.harness.key_press_modifiers(modifiers, key);
-    desk.harness.run_steps(3);
-}
-
-fn open(desk: &Desk) -> marey_studio::Open<'_> {
-    desk.harness.state().open().unwrap()
-}
-
 fn settle(desk: &mut Desk, moves: bool) {
     let so = move |o: marey_studio::Open<'_>| !o.joints().is_empty() && !o.is_busy() && o.moves() == moves;
     desk.wait("the machine", move |s| s.open().is_some_and(so));
@@ -45,12 +36,12 @@ fn a_picture_takes_a_motion_and_is_exported() {
     desk.harness.state_mut().open_picture(&picture);
     desk.wait_open();
     settle(&mut desk, false);
-    let joints = open(&desk).joints();
+    let joints = desk.open().joints();
     assert!(joints.len() >= 5, "a body and two arms: {joints:?}");
 
     // A joint is moved, and back.
     let at = joints[1].1;
-    let (from, to) = (open(&desk).on_screen(at), open(&desk).on_screen((at.0 + 3.0, at.1 + 2.0)));
+    let (from, to) = (desk.open().on_screen(at), desk.open().on_screen((at.0 + 3.0, at.1 + 2.0)));
     desk.harness.hover_at(from);
     desk.harness.drag_at(from);
     for step in 1..=6 {
@@ -59,17 +50,17 @@ fn a_picture_takes_a_motion_and_is_exported() {
     desk.harness.drop_at(to);
     desk.harness.run_steps(3);
     settle(&mut desk, false);
-    let moved = open(&desk).joints()[1].1;
+    let moved = desk.open().joints()[1].1;
     assert!((moved.0 - at.0 - 3.0).abs() < 0.6 && (moved.1 - at.1 - 2.0).abs() < 0.6, "{at:?} {moved:?}");
-    keys(&mut desk, CTRL, Key::Z);
+    desk.keys(CTRL, Key::Z);
     settle(&mut desk, false);
-    assert_eq!(open(&desk).joints(), joints, "one step");
+    assert_eq!(desk.open().joints(), joints, "one step");
 
     // A motion of a file.
     let motion = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/characters/child/walk.motion.json");
     desk.drop_file(&motion);
     settle(&mut desk, true);
-    assert!(open(&desk).playing());
+    assert!(desk.open().playing());
     desk.click("Stays on the spot");
     settle(&mut desk, true);
 
@@ -84,7 +75,7 @@ fn a_picture_takes_a_motion_and_is_exported() {
     let frames = image::AnimationDecoder::into_frames(png.apng().unwrap()).collect_frames().unwrap();
     assert_eq!(frames.len(), 24);
 
-    keys(&mut desk, CTRL, Key::E);
+    desk.keys(CTRL, Key::E);
     desk.click("glTF (.glb)");
     desk.click("Export");
     desk.wait("the export", |s| s.open().is_some_and(|o| !o.is_busy()));
@@ -96,7 +87,7 @@ fn a_picture_takes_a_motion_and_is_exported() {
     desk.click("Open figure");
     desk.wait_open();
     settle(&mut desk, true);
-    assert_eq!(open(&desk).joints(), joints);
+    assert_eq!(desk.open().joints(), joints);
 }
 
 #[test]
@@ -105,7 +96,7 @@ fn a_character_is_exported_from_the_start_by_three_clicks() {
     desk.harness.run();
     desk.click("Open the sample: a girl who waves");
     settle(&mut desk, true);
-    assert_eq!(open(&desk).joints().len(), 15);
+    assert_eq!(desk.open().joints().len(), 15);
     desk.click("Export…");
     desk.click("Export");
     desk.wait("the export", |s| s.open().is_some_and(|o| !o.is_busy()));

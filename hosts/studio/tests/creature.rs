@@ -14,11 +14,6 @@ use marey_studio::egui::{Event, Key, Modifiers, PointerButton, Pos2, pos2, vec2}
 const CTRL: Modifiers = Modifiers::COMMAND;
 const CTRL_SHIFT: Modifiers = Modifiers::COMMAND.plus(Modifiers::SHIFT);
 
-fn keys(desk: &mut Desk, modifiers: Modifiers, key: Key) {
-    desk.harness.key_press_modifiers(modifiers, key);
-    desk.harness.run_steps(3);
-}
-
 fn frame(desk: &Desk) -> u64 {
     desk.harness.state().open().unwrap().frame()
 }
@@ -47,17 +42,17 @@ fn a_clip_becomes_a_creature_and_a_file() {
     for ((x, y), (to_x, to_y)) in [(ends.0, (33.0, 32.0)), (ends.1, (57.0, 32.0))] {
         assert!((x - to_x).abs() < 0.6 && (y - to_y).abs() < 0.6, "{ends:?}");
     }
-    keys(&mut desk, CTRL, Key::Z);
+    desk.keys(CTRL, Key::Z);
     assert!(desk.limbs().is_empty());
-    keys(&mut desk, CTRL, Key::Z);
+    desk.keys(CTRL, Key::Z);
     assert!(desk.harness.state().open().is_some(), "the clip stays");
-    keys(&mut desk, CTRL_SHIFT, Key::Z);
+    desk.keys(CTRL_SHIFT, Key::Z);
     assert_eq!(desk.harness.state().open().unwrap().stroke(0, 0).unwrap(), stroke);
 
     // Along the clip by keys and by the timeline.
-    keys(&mut desk, Modifiers::NONE, Key::End);
+    desk.keys(Modifiers::NONE, Key::End);
     assert_eq!(frame(&desk), u64::from(BAR_FRAMES) - 1);
-    keys(&mut desk, Modifiers::NONE, Key::Comma);
+    desk.keys(Modifiers::NONE, Key::Comma);
     assert_eq!(frame(&desk), u64::from(BAR_FRAMES) - 2);
     let timeline = desk.harness.get_by_label_contains("Timeline").rect();
     let press = |desk: &mut Desk, share: f32| {
@@ -94,22 +89,22 @@ fn a_clip_becomes_a_creature_and_a_file() {
     let seen = |alpha: u8| frames[3].buffer().pixels().filter(|p| p[3] == alpha).count();
     assert!(seen(255) > 150 && seen(0) > 3000, "the bar on nothing: {} {}", seen(255), seen(0));
     std::fs::remove_file(&file).unwrap();
-    keys(&mut desk, CTRL_SHIFT, Key::E);
+    desk.keys(CTRL_SHIFT, Key::E);
     desk.wait("the export", |s| s.open().is_some_and(|o| !o.is_busy()));
     assert!(file.exists());
 
-    keys(&mut desk, CTRL, Key::E);
+    desk.keys(CTRL, Key::E);
     desk.click("glTF (.glb)");
     desk.click("Export");
     desk.wait("the export", |s| s.open().is_some_and(|o| !o.is_busy()));
     assert_eq!(&std::fs::read(desk.home().join("bar.glb")).unwrap()[..4], b"glTF");
 
     // A correction is followed by itself, and the creature can be made again.
-    keys(&mut desk, Modifiers::NONE, Key::Home);
-    keys(&mut desk, Modifiers::NONE, Key::Space);
+    desk.keys(Modifiers::NONE, Key::Home);
+    desk.keys(Modifiers::NONE, Key::Space);
     desk.harness.run_steps(2);
     assert!(!desk.harness.state().open().unwrap().playing());
-    keys(&mut desk, Modifiers::NONE, Key::Home);
+    desk.keys(Modifiers::NONE, Key::Home);
     desk.draw(&[(34.0, 33.0), (58.0, 33.0)]);
     desk.wait("the correction", |s| s.open().is_some_and(|o| !o.is_busy()));
     assert!(!desk.harness.state().open().unwrap().is_motion_outdated());
@@ -134,7 +129,7 @@ fn what_was_not_saved_is_there_after_a_crash() {
     assert_eq!(desk.limbs(), ["limb 1", "limb 2"]);
 
     // Back at the start it is there still; discarding asks first.
-    keys(&mut desk, CTRL, Key::W);
+    desk.keys(CTRL, Key::W);
     desk.harness.run();
     desk.click("Discard: bar");
     desk.click("Keep");
@@ -179,7 +174,7 @@ fn a_session_with_a_name_is_saved_and_listed() {
     desk.harness.get_by_label("Saved");
     desk.draw(&[(33.0, 32.0), (57.0, 32.0)]);
     desk.harness.get_by_label("Not saved");
-    keys(&mut desk, CTRL, Key::S);
+    desk.keys(CTRL, Key::S);
     desk.harness.get_by_label("Saved");
 
     // What came after the save is saved when it is left.
@@ -218,7 +213,7 @@ fn key_frames_are_dragged_and_clips_zoomed() {
     desk.harness.run_steps(3);
     let open = desk.harness.state().open().unwrap();
     assert_eq!((open.key_frames(), open.frame()), (&[3][..], 3));
-    keys(&mut desk, CTRL, Key::Z);
+    desk.keys(CTRL, Key::Z);
     assert_eq!(desk.harness.state().open().unwrap().key_frames(), [0], "one step");
 
     let place = |desk: &Desk, at| desk.harness.state().open().unwrap().on_screen(at);
@@ -242,7 +237,7 @@ fn key_frames_are_dragged_and_clips_zoomed() {
     assert!(place(&desk, (20.0, 20.0)).distance(now + vec2(60.0, 24.0)) < 1.0);
     assert_eq!(desk.limbs().len(), 1, "nothing was drawn");
     assert!(!desk.harness.state().open().unwrap().playing());
-    keys(&mut desk, CTRL, Key::Num0);
+    desk.keys(CTRL, Key::Num0);
     assert!(place(&desk, (20.0, 20.0)).distance(before) < 0.1);
 }
 
@@ -283,7 +278,7 @@ fn limbs_are_named_selected_and_removed() {
     assert_eq!(desk.limbs(), ["limb 1", "tail"]);
 
     // Escape lets go of it, a click on its stroke takes hold of it again.
-    keys(&mut desk, Modifiers::NONE, Key::Escape);
+    desk.keys(Modifiers::NONE, Key::Escape);
     assert_eq!(desk.harness.state().open().unwrap().selected(), None);
     let at = desk.harness.state().open().unwrap().on_screen((68.7, 41.0));
     for pressed in [true, false] {
@@ -294,12 +289,12 @@ fn limbs_are_named_selected_and_removed() {
     desk.harness.run_steps(3);
     assert_eq!(desk.harness.state().open().unwrap().selected(), Some(1));
 
-    keys(&mut desk, Modifiers::NONE, Key::Delete);
+    desk.keys(Modifiers::NONE, Key::Delete);
     assert!(desk.harness.state().open().unwrap().stroke(1, 0).is_none(), "its stroke here is gone");
     desk.click("Remove tail");
     assert_eq!(desk.limbs(), ["limb 1"]);
     for _ in 0..3 {
-        keys(&mut desk, CTRL, Key::Z);
+        desk.keys(CTRL, Key::Z);
     }
     assert_eq!(desk.limbs(), ["limb 1", "limb 2"]);
 }
@@ -321,7 +316,7 @@ fn the_start_is_drawn_light_and_dark() {
         picture.get_pixel(100, 800).0
     };
     assert!(ground(&mut desk)[..3].iter().all(|c| *c < 64));
-    keys(&mut desk, CTRL, Key::L);
+    desk.keys(CTRL, Key::L);
     assert!(ground(&mut desk)[..3].iter().all(|c| *c > 192));
     let desk = &mut desk.again();
     desk.harness.run();
@@ -332,9 +327,9 @@ fn the_start_is_drawn_light_and_dark() {
 fn keys_are_listed_and_the_list_closes() {
     let mut desk = Desk::new();
     desk.harness.run();
-    keys(&mut desk, Modifiers::NONE, Key::F1);
+    desk.keys(Modifiers::NONE, Key::F1);
     desk.harness.get_by_label("Export again, as last time");
     desk.harness.check_accessibility();
-    keys(&mut desk, Modifiers::NONE, Key::Escape);
+    desk.keys(Modifiers::NONE, Key::Escape);
     assert!(desk.harness.query_by_label("Export again, as last time").is_none());
 }

@@ -5,7 +5,7 @@ mod common;
 
 use common::{BAR_FRAMES, Desk, bar};
 use egui_kittest::kittest::Queryable as _;
-use marey_studio::egui::{Key, Modifiers, Pos2};
+use marey_studio::egui::{Key, Modifiers};
 
 const CTRL: Modifiers = Modifiers::COMMAND;
 
@@ -13,32 +13,6 @@ const CTRL: Modifiers = Modifiers::COMMAND;
 const SVG: &str = r#"<svg xmlns="http://www.w3.org/2000/svg" width="192" height="128">
 <path d="M60 52 L120 52" stroke="black" stroke-width="3" fill="none"/>
 <path d="M60 76 L120 76" stroke="black" stroke-width="3" fill="none"/></svg>"#;
-
-fn keys(desk: &mut Desk, modifiers: Modifiers, key: Key) {
-    desk.harness.key_press_modifiers(modifiers, key);
-    desk.harness.run_steps(3);
-}
-
-fn open(desk: &Desk) -> marey_studio::Open<'_> {
-    desk.harness.state().open().unwrap()
-}
-
-fn click_at(desk: &mut Desk, at: Pos2) {
-    desk.harness.hover_at(at);
-    desk.harness.drag_at(at);
-    desk.harness.drop_at(at);
-    desk.harness.run_steps(3);
-}
-
-fn drag(desk: &mut Desk, from: Pos2, to: Pos2) {
-    desk.harness.hover_at(from);
-    desk.harness.drag_at(from);
-    for step in 1..=8 {
-        desk.harness.hover_at(from.lerp(to, step as f32 / 8.0));
-    }
-    desk.harness.drop_at(to);
-    desk.harness.run_steps(3);
-}
 
 fn settle(desk: &mut Desk) {
     desk.wait("it to move", |s| s.open().is_some_and(|o| o.moves() && !o.is_busy()));
@@ -56,10 +30,10 @@ fn marked() -> Desk {
     desk.click("Next: mark points");
     assert!(desk.harness.state().notices()[0].contains("Click on what moves"));
     for at in [(32.0, 28.0), (57.0, 28.0), (44.0, 36.0), (33.0, 36.0)] {
-        let at = open(&desk).on_screen(at);
-        click_at(&mut desk, at);
+        let at = desk.open().on_screen(at);
+        desk.click_at(at);
     }
-    assert_eq!(open(&desk).marks().len(), 4);
+    assert_eq!(desk.open().marks().len(), 4);
     desk.drop_file(&drawing);
     settle(&mut desk);
     desk
@@ -68,39 +42,39 @@ fn marked() -> Desk {
 #[test]
 fn a_clip_moves_a_drawing_and_it_is_exported() {
     let mut desk = marked();
-    assert_eq!(open(&desk).handles().len(), 4, "equal numbers on clip and drawing");
+    assert_eq!(desk.open().handles().len(), 4, "equal numbers on clip and drawing");
 
     // A point is corrected on another frame: one step, tracked again by itself, and a key frame more.
-    if open(&desk).playing() {
-        keys(&mut desk, Modifiers::NONE, Key::Space);
+    if desk.open().playing() {
+        desk.keys(Modifiers::NONE, Key::Space);
     }
-    keys(&mut desk, Modifiers::NONE, Key::End);
+    desk.keys(Modifiers::NONE, Key::End);
     desk.harness.run_steps(3);
     let last = u64::from(BAR_FRAMES) - 1;
-    assert_eq!(open(&desk).frame(), last);
+    assert_eq!(desk.open().frame(), last);
     // The bar has wandered two pixels a frame.
-    let followed = open(&desk).points()[0];
+    let followed = desk.open().points()[0];
     assert!((followed.0 - 46.0).abs() < 3.0 && (followed.1 - 28.0).abs() < 3.0, "{followed:?}");
-    let (from, to) = (open(&desk).on_screen(followed), open(&desk).on_screen((followed.0 + 4.0, followed.1 + 3.0)));
-    drag(&mut desk, from, to);
+    let (from, to) = (desk.open().on_screen(followed), desk.open().on_screen((followed.0 + 4.0, followed.1 + 3.0)));
+    desk.drag(from, to);
     settle(&mut desk);
-    assert_eq!(open(&desk).key_frames(), [0, last]);
-    assert_eq!(open(&desk).marks()[0].len(), 2, "{:?}", open(&desk).marks());
-    keys(&mut desk, CTRL, Key::Z);
+    assert_eq!(desk.open().key_frames(), [0, last]);
+    assert_eq!(desk.open().marks()[0].len(), 2, "{:?}", desk.open().marks());
+    desk.keys(CTRL, Key::Z);
     settle(&mut desk);
-    assert_eq!(open(&desk).key_frames(), [0], "one step");
+    assert_eq!(desk.open().key_frames(), [0], "one step");
 
     // A point is moved on the drawing, and moved back.
-    let before = open(&desk).handles();
+    let before = desk.open().handles();
     let at = before[1].1;
-    let (from, to) = (open(&desk).on_sheet(at), open(&desk).on_sheet((at.0 + 20.0, at.1 + 10.0)));
-    drag(&mut desk, from, to);
+    let (from, to) = (desk.open().on_sheet(at), desk.open().on_sheet((at.0 + 20.0, at.1 + 10.0)));
+    desk.drag(from, to);
     settle(&mut desk);
-    let moved = open(&desk).handles()[1].1;
+    let moved = desk.open().handles()[1].1;
     assert!((moved.0 - at.0 - 20.0).abs() < 1.0 && (moved.1 - at.1 - 10.0).abs() < 1.0, "{at:?} {moved:?}");
-    keys(&mut desk, CTRL, Key::Z);
+    desk.keys(CTRL, Key::Z);
     settle(&mut desk);
-    assert_eq!(open(&desk).handles(), before, "one step");
+    assert_eq!(desk.open().handles(), before, "one step");
 
     desk.click("Export…");
     desk.click("Animated SVG");
@@ -109,7 +83,7 @@ fn a_clip_moves_a_drawing_and_it_is_exported() {
     let svg = std::fs::read_to_string(desk.home().join("bar.svg")).unwrap();
     assert!(svg.contains("<animate") && svg.matches("<path").count() >= 2, "{}", &svg[..svg.len().min(400)]);
 
-    keys(&mut desk, CTRL, Key::E);
+    desk.keys(CTRL, Key::E);
     desk.click("GIF");
     desk.click("Export");
     desk.wait("the export", |s| s.open().is_some_and(|o| !o.is_busy()));
@@ -126,18 +100,18 @@ fn a_clip_moves_a_drawing_and_it_is_exported() {
 #[test]
 fn points_and_drawing_are_there_after_a_crash() {
     let desk = marked();
-    let marks = open(&desk).marks();
+    let marks = desk.open().marks();
     let mut desk = desk.again();
     desk.harness.run();
     desk.click("Open bar");
     desk.wait_open();
-    assert_eq!(open(&desk).marks(), marks);
+    assert_eq!(desk.open().marks(), marks);
     settle(&mut desk);
-    assert_eq!(open(&desk).handles().len(), 4);
+    assert_eq!(desk.open().handles().len(), 4);
     desk.click("Remove point 2");
     settle(&mut desk);
     let notices = desk.harness.state().notices();
-    assert_eq!((open(&desk).marks().len(), open(&desk).handles().len()), (3, 3), "{notices:?}");
+    assert_eq!((desk.open().marks().len(), desk.open().handles().len()), (3, 3), "{notices:?}");
 }
 
 #[test]
@@ -146,7 +120,7 @@ fn a_drawing_is_exported_from_the_start_by_three_clicks() {
     desk.harness.run();
     desk.click("Open the sample: a horse that gallops");
     settle(&mut desk);
-    let open = open(&desk);
+    let open = desk.open();
     assert_eq!((open.marks().len(), open.handles().len()), (16, 16));
     assert!(open.playing());
     desk.click("Export…");

@@ -32,11 +32,6 @@ fn plugins(desk: &Desk) -> PathBuf {
     desk.folder.path().join("data/plugins")
 }
 
-fn keys(desk: &mut Desk, modifiers: Modifiers, key: Key) {
-    desk.harness.key_press_modifiers(modifiers, key);
-    desk.harness.run_steps(3);
-}
-
 /// It looks by itself every other second.
 fn look_again(desk: &mut Desk) {
     if desk.harness.query_by_label("Look again").is_some() {
@@ -74,7 +69,7 @@ fn plugins_are_found_chosen_used_and_rebuilt_while_a_session_is_open() {
     desk.draw(&[(33.0, 32.0), (57.0, 32.0)]);
 
     // A refused file, with its reason; it is built right and tried again.
-    keys(&mut desk, CTRL_SHIFT, Key::P);
+    desk.keys(CTRL_SHIFT, Key::P);
     see(&mut desk, "broken.so: ");
     desk.harness.get_by_label("Not loaded");
     build(&desk, "1.0.0");
@@ -104,7 +99,7 @@ fn plugins_are_found_chosen_used_and_rebuilt_while_a_session_is_open() {
     desk.harness.get_by_role_and_label(Role::Slider, "Reach").focus();
     desk.harness.run_steps(2);
     for _ in 0..3 {
-        keys(&mut desk, Modifiers::NONE, Key::ArrowRight);
+        desk.keys(Modifiers::NONE, Key::ArrowRight);
     }
     desk.click("Close");
     assert_eq!(desk.harness.state().open().unwrap().steps().0, Some("how it is made"));
@@ -115,9 +110,9 @@ fn plugins_are_found_chosen_used_and_rebuilt_while_a_session_is_open() {
     // A new build is taken while the session is open, and used by the next job.
     build(&desk, "2.0.0");
     desk.wait("the new build", |s| s.notices().iter().any(|n| n.contains("built anew")));
-    keys(&mut desk, CTRL, Key::Enter);
+    desk.keys(CTRL, Key::Enter);
     desk.wait("the creature again", |s| s.open().is_some_and(|o| !o.is_busy()));
-    keys(&mut desk, CTRL_SHIFT, Key::P);
+    desk.keys(CTRL_SHIFT, Key::P);
     see(&mut desk, "2.0.0, by Marey");
     desk.click("Close");
 

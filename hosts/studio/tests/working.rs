@@ -10,11 +10,6 @@ use marey_studio::egui::{Event, Key, Modifiers, PointerButton, Pos2, TouchDevice
 const CTRL: Modifiers = Modifiers::COMMAND;
 const CTRL_SHIFT: Modifiers = Modifiers::COMMAND.plus(Modifiers::SHIFT);
 
-fn keys(desk: &mut Desk, modifiers: Modifiers, key: Key) {
-    desk.harness.key_press_modifiers(modifiers, key);
-    desk.harness.run_steps(3);
-}
-
 fn press(desk: &mut Desk, pos: Pos2, button: PointerButton) {
     desk.harness.hover_at(pos);
     for pressed in [true, false] {
@@ -34,7 +29,7 @@ fn drawn() -> Desk {
 }
 
 fn make(desk: &mut Desk) {
-    keys(desk, CTRL, Key::Enter);
+    desk.keys(CTRL, Key::Enter);
     desk.wait("the creature", |s| s.open().is_some_and(|o| o.has_creature() && !o.is_busy()));
 }
 
@@ -47,41 +42,41 @@ fn steps(desk: &Desk) -> (Option<String>, Option<String>) {
 #[test]
 fn keys_are_chosen_conflicts_are_told_and_it_is_remembered() {
     let mut desk = drawn();
-    keys(&mut desk, Modifiers::NONE, Key::F1);
+    desk.keys(Modifiers::NONE, Key::F1);
     desk.click("Keys of First frame: Home");
     desk.harness.get_by_label("First frame: press the keys for it.");
     // Tab stays what it is; Ctrl+K is free.
-    keys(&mut desk, Modifiers::NONE, Key::Tab);
+    desk.keys(Modifiers::NONE, Key::Tab);
     desk.harness.get_by_label_contains("moves through every window");
-    keys(&mut desk, CTRL, Key::K);
+    desk.keys(CTRL, Key::K);
     desk.harness.get_by_label("Keys of First frame: Ctrl+K");
     // The keys of something else are told, and taken away only where that is wanted.
     desk.click("Keys of Last frame: End");
-    keys(&mut desk, CTRL, Key::Z);
+    desk.keys(CTRL, Key::Z);
     desk.harness.get_by_label_contains("are the keys of: Undo");
     desk.click("Leave it");
     desk.click("Keys of Last frame: End");
-    keys(&mut desk, Modifiers::NONE, Key::R);
+    desk.keys(Modifiers::NONE, Key::R);
     desk.harness.get_by_label_contains("are the keys of: Loop, or play once");
     desk.click("Use them here");
     desk.harness.get_by_label("Keys of Loop, or play once: none");
     desk.harness.check_accessibility();
     desk.click("Close");
     let frame = |desk: &Desk| desk.harness.state().open().unwrap().frame();
-    keys(&mut desk, Modifiers::NONE, Key::R);
+    desk.keys(Modifiers::NONE, Key::R);
     assert_eq!(frame(&desk), u64::from(BAR_FRAMES) - 1);
-    keys(&mut desk, Modifiers::NONE, Key::Home);
+    desk.keys(Modifiers::NONE, Key::Home);
     assert_eq!(frame(&desk), u64::from(BAR_FRAMES) - 1, "the old key does nothing");
-    keys(&mut desk, CTRL, Key::K);
+    desk.keys(CTRL, Key::K);
     assert_eq!(frame(&desk), 0);
 
     let mut desk = desk.again();
     desk.harness.run();
-    keys(&mut desk, Modifiers::NONE, Key::F1);
+    desk.keys(Modifiers::NONE, Key::F1);
     desk.harness.get_by_label("Keys of First frame: Ctrl+K");
     desk.click("All keys as they were");
     desk.harness.get_by_label("Keys of Loop, or play once: R");
-    keys(&mut desk, Modifiers::NONE, Key::Escape);
+    desk.keys(Modifiers::NONE, Key::Escape);
     assert!(desk.harness.query_by_label("All keys as they were").is_none());
 }
 
@@ -94,27 +89,27 @@ fn the_timeline_is_used_by_keyboard_and_shows_poses_around() {
         let open = desk.harness.state().open().unwrap();
         (open.frame(), open.key_frames().to_vec())
     };
-    keys(&mut desk, Modifiers::NONE, Key::ArrowRight);
-    keys(&mut desk, Modifiers::NONE, Key::ArrowRight);
+    desk.keys(Modifiers::NONE, Key::ArrowRight);
+    desk.keys(Modifiers::NONE, Key::ArrowRight);
     assert_eq!(state(&desk), (2, vec![0]));
-    keys(&mut desk, Modifiers::NONE, Key::ArrowLeft);
-    keys(&mut desk, Modifiers::NONE, Key::ArrowLeft);
+    desk.keys(Modifiers::NONE, Key::ArrowLeft);
+    desk.keys(Modifiers::NONE, Key::ArrowLeft);
     // With Shift the key frame goes along, a step of undo each.
-    keys(&mut desk, Modifiers::SHIFT, Key::ArrowRight);
+    desk.keys(Modifiers::SHIFT, Key::ArrowRight);
     assert_eq!(state(&desk), (1, vec![1]));
-    keys(&mut desk, Modifiers::NONE, Key::Space);
+    desk.keys(Modifiers::NONE, Key::Space);
     assert!(desk.harness.state().open().unwrap().playing());
-    keys(&mut desk, Modifiers::NONE, Key::Space);
+    desk.keys(Modifiers::NONE, Key::Space);
     assert!(!desk.harness.state().open().unwrap().playing());
-    keys(&mut desk, CTRL, Key::Z);
+    desk.keys(CTRL, Key::Z);
     assert_eq!(state(&desk).1, [0]);
 
-    keys(&mut desk, Modifiers::NONE, Key::Escape);
-    keys(&mut desk, Modifiers::NONE, Key::O);
+    desk.keys(Modifiers::NONE, Key::Escape);
+    desk.keys(Modifiers::NONE, Key::O);
     desk.click("Onion skin: how much");
     desk.harness.get_by_label("Poses before");
     desk.harness.check_accessibility();
-    keys(&mut desk, Modifiers::NONE, Key::Escape);
+    desk.keys(Modifiers::NONE, Key::Escape);
     desk.click("Pictures are held");
     desk.click("on twos");
     let remembered = std::fs::read_to_string(desk.folder.path().join("data/preferences.json")).unwrap();
@@ -125,19 +120,19 @@ fn the_timeline_is_used_by_keyboard_and_shows_poses_around() {
 fn what_follows_by_itself_is_undone_with_what_it_follows_from() {
     let mut desk = drawn();
     make(&mut desk);
-    keys(&mut desk, Modifiers::NONE, Key::Space);
-    keys(&mut desk, Modifiers::NONE, Key::Home);
+    desk.keys(Modifiers::NONE, Key::Space);
+    desk.keys(Modifiers::NONE, Key::Home);
     desk.click("Draw limb 1");
     let before = desk.harness.state().open().unwrap().fingerprint().unwrap();
     desk.draw(&[(34.0, 33.0), (58.0, 33.0)]);
     desk.wait("the correction", |s| s.open().is_some_and(|o| !o.is_busy()));
     let after = desk.harness.state().open().unwrap().fingerprint().unwrap();
     assert_eq!(steps(&desk).0.as_deref(), Some("stroke"));
-    keys(&mut desk, CTRL, Key::Z);
+    desk.keys(CTRL, Key::Z);
     desk.rest(300);
     assert_eq!(desk.harness.state().open().unwrap().fingerprint().unwrap(), before);
     assert_eq!(steps(&desk), (Some("making the creature".into()), Some("stroke".into())));
-    keys(&mut desk, CTRL_SHIFT, Key::Z);
+    desk.keys(CTRL_SHIFT, Key::Z);
     desk.rest(300);
     assert_eq!(desk.harness.state().open().unwrap().fingerprint().unwrap(), after);
     assert_eq!(steps(&desk), (Some("stroke".into()), None));
@@ -154,8 +149,8 @@ fn ends_are_turned_by_clicks_and_what_was_cut_out_wrong_is_painted() {
     assert_eq!(desk.harness.state().open().unwrap().selected(), Some(0));
 
     make(&mut desk);
-    keys(&mut desk, Modifiers::NONE, Key::Space);
-    keys(&mut desk, Modifiers::NONE, Key::Home);
+    desk.keys(Modifiers::NONE, Key::Space);
+    desk.keys(Modifiers::NONE, Key::Home);
     desk.click("Paint what is not the creature");
     // A pen that says how hard it is pressed.
     let at = desk.harness.state().open().unwrap().on_screen((60.0, 50.0));
@@ -178,13 +173,13 @@ fn ends_are_turned_by_clicks_and_what_was_cut_out_wrong_is_painted() {
     assert_eq!(desk.limbs().len(), 1, "it is no limb");
     desk.harness.get_by_label("Update the creature");
     make(&mut desk);
-    keys(&mut desk, Modifiers::NONE, Key::Space);
-    keys(&mut desk, Modifiers::NONE, Key::Home);
+    desk.keys(Modifiers::NONE, Key::Space);
+    desk.keys(Modifiers::NONE, Key::Home);
     desk.click("Clear this frame");
     assert_eq!(steps(&desk).0.as_deref(), Some("removing paint"));
     assert!(desk.harness.query_by_label("Clear this frame").is_none());
-    keys(&mut desk, Modifiers::NONE, Key::D);
-    keys(&mut desk, Modifiers::NONE, Key::N);
+    desk.keys(Modifiers::NONE, Key::D);
+    desk.keys(Modifiers::NONE, Key::N);
     desk.draw(&[(33.0, 40.0), (57.0, 50.0)]);
     assert_eq!(desk.limbs().len(), 2);
 }
@@ -209,9 +204,9 @@ fn paths_are_typed_where_there_is_no_dialog() {
     type_path(&mut desk, clip.to_str().unwrap());
     desk.wait_open();
     desk.draw(&[(33.0, 32.0), (57.0, 32.0)]);
-    keys(&mut desk, CTRL, Key::S);
+    desk.keys(CTRL, Key::S);
     desk.click("Cancel");
-    keys(&mut desk, CTRL, Key::S);
+    desk.keys(CTRL, Key::S);
     type_path(&mut desk, "~/walk.marey");
     desk.harness.get_by_label("Saved");
     assert!(desk.home().join("walk.marey").exists());

@@ -10,8 +10,8 @@ use std::time::{Duration, Instant};
 
 use egui_kittest::kittest::Queryable as _;
 use egui_kittest::{Harness, HarnessBuilder, TestRenderer};
-use marey_studio::egui::{Context, FullOutput, Pos2, TexturesDelta, Theme, vec2};
-use marey_studio::{Places, Studio};
+use marey_studio::egui::{Context, FullOutput, Key, Modifiers, Pos2, TexturesDelta, Theme, vec2};
+use marey_studio::{Open, Places, Studio};
 
 /// Longer than anything here takes on a slow machine.
 const PATIENCE: Duration = Duration::from_secs(120);
@@ -86,6 +86,29 @@ impl Desk {
         self.harness.run_steps(3);
     }
 
+    pub fn keys(&mut self, modifiers: Modifiers, key: Key) {
+        self.harness.key_press_modifiers(modifiers, key);
+        self.harness.run_steps(3);
+    }
+
+    pub fn click_at(&mut self, at: Pos2) {
+        self.harness.hover_at(at);
+        self.harness.drag_at(at);
+        self.harness.drop_at(at);
+        self.harness.run_steps(3);
+    }
+
+    pub fn drag(&mut self, from: Pos2, to: Pos2) {
+        self.press_from(&[from, to]);
+        self.harness.drop_at(to);
+        self.harness.run_steps(3);
+    }
+
+    /// What is open.
+    pub fn open(&self) -> Open<'_> {
+        self.harness.state().open().unwrap()
+    }
+
     /// Lets so many milliseconds pass.
     pub fn rest(&mut self, milliseconds: u64) {
         let until = Instant::now() + Duration::from_millis(milliseconds);
@@ -105,7 +128,12 @@ impl Desk {
 
     /// The same, with the button still held; gives where.
     pub fn press_along(&mut self, points: &[(f32, f32)]) -> Pos2 {
-        let at: Vec<Pos2> = points.iter().map(|p| self.harness.state().open().unwrap().on_screen(*p)).collect();
+        let at: Vec<Pos2> = points.iter().map(|p| self.open().on_screen(*p)).collect();
+        self.press_from(&at);
+        *at.last().unwrap()
+    }
+
+    fn press_from(&mut self, at: &[Pos2]) {
         self.harness.hover_at(at[0]);
         self.harness.drag_at(at[0]);
         for pair in at.windows(2) {
@@ -113,11 +141,10 @@ impl Desk {
                 self.harness.hover_at(pair[0].lerp(pair[1], step as f32 / 8.0));
             }
         }
-        *at.last().unwrap()
     }
 
     pub fn limbs(&self) -> Vec<String> {
-        self.harness.state().open().unwrap().limbs()
+        self.open().limbs()
     }
 }
 
