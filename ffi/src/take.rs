@@ -31,12 +31,16 @@ use crate::table::Table;
 pub(crate) struct Played {
     pub(crate) drawn: Arc<Drawn>,
     pub(crate) take: Take,
-    report: String,
+    pub(crate) report: String,
     /// The drawing cut out of its picture, once a frame was drawn.
     cut: OnceLock<RgbaImage>,
 }
 
 impl Played {
+    pub(crate) fn new(drawn: Arc<Drawn>, take: Take, report: String) -> Self {
+        Self { drawn, take, report, cut: OnceLock::new() }
+    }
+
     fn canvas(&self, scale: f32, crop: u32) -> Outcome<Canvas> {
         if !scale.is_finite() {
             return Err(Failure::new(Code::MRY_E_NON_FINITE, "scale", format!("scale is {scale}")));
@@ -215,7 +219,7 @@ impl Call<'_> {
                 "warnings": warnings,
                 "timings": { "posing": began.elapsed().as_secs_f64() },
             });
-            let played = Played { drawn: drawn.clone(), take, report: report.to_string(), cut: OnceLock::new() };
+            let played = Played::new(drawn.clone(), take, report.to_string());
             Ok(Product { take: Part::Made(Arc::new(played)), ..Product::default() })
         }))
     }

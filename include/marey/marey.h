@@ -96,7 +96,6 @@
 #define MRY_POSES_INFO_INIT { (uint32_t)sizeof(mry_poses_info), 0, 0.0, 0, 0 }
 #define MRY_SMOOTH_DESC_INIT { (uint32_t)sizeof(mry_smooth_desc), 0, 0.0, NULL, 0 }
 #define MRY_PLANT_DESC_INIT { (uint32_t)sizeof(mry_plant_desc), 0, 0, 0, 0.0, 0.0, NULL, 0 }
-#define MRY_RETIME_DESC_INIT { (uint32_t)sizeof(mry_retime_desc), 0, 0.0, 0.0, 0.0, 0, 0, 0, 0, NULL, 0 }
 #define MRY_RETARGET_DESC_INIT { (uint32_t)sizeof(mry_retarget_desc), 0, 0, 0.0f, 0.0f, 0, 0, { NULL, 0 }, NULL, 0 }
 #define MRY_LIMB_MAP_DESC_INIT { (uint32_t)sizeof(mry_limb_map_desc), 0, 0, 0, 0, 0, 0.0, 0.0, { NULL, 0 } }
 #define MRY_TAKE_DESC_INIT { (uint32_t)sizeof(mry_take_desc), 0, { 0 }, { 0 }, { 0 }, { NULL, 0 }, NULL }
@@ -108,6 +107,7 @@
 #define MRY_MOTION_USE_INIT { (uint32_t)sizeof(mry_motion_use), 0.0f, 0.0f, 0.0f, 0, 0, 0 }
 #define MRY_SKETCH_TAKE_DESC_INIT { (uint32_t)sizeof(mry_sketch_take_desc), 0, { 0 }, { 0 }, NULL, 0 }
 #define MRY_SKETCH_TAKE_INFO_INIT { (uint32_t)sizeof(mry_sketch_take_info), 0, 0, 0.0, { 0.0f, 0.0f }, { 0.0f, 0.0f } }
+#define MRY_RETIME_DESC_INIT { (uint32_t)sizeof(mry_retime_desc), 0, 0.0, 0.0, 0.0, 0, 0, 0, 0, NULL, 0 }
 #define MRY_JOB_STATE_INIT { (uint32_t)sizeof(mry_job_state), 0, 0.0, 0, { 0 }, 0.0 }
 #define MRY_TRACK_DESC_INIT { (uint32_t)sizeof(mry_track_desc), 0, { 0 }, { 0 }, { NULL, 0 }, { 0 }, { 0 } }
 #define MRY_CAPTURE_DESC_INIT { (uint32_t)sizeof(mry_capture_desc), 0, { 0 }, { 0 }, { 0 }, { 0 } }
@@ -265,15 +265,6 @@
 /** Easing: not at all until the next key. */
 #define MRY_EASING_HOLD 4
 
-/** Which way a motion is gone through: as it was. */
-#define MRY_DIRECTION_FORWARD 0
-
-/** Which way a motion is gone through: from its end to its beginning. */
-#define MRY_DIRECTION_BACKWARD 1
-
-/** Which way a motion is gone through: to its end and back, so that it may be repeated. */
-#define MRY_DIRECTION_THERE_AND_BACK 2
-
 /** What of a bone's direction is carried over: how far it turned since the reference frame. */
 #define MRY_ANGLES_RELATIVE 0
 
@@ -306,6 +297,15 @@
 
 /** Element of a path: a straight line to where the piece began, which is closed. */
 #define MRY_PATH_CLOSE 4
+
+/** Which way a motion is gone through: as it was. */
+#define MRY_DIRECTION_FORWARD 0
+
+/** Which way a motion is gone through: from its end to its beginning. */
+#define MRY_DIRECTION_BACKWARD 1
+
+/** Which way a motion is gone through: to its end and back, so that it may be repeated. */
+#define MRY_DIRECTION_THERE_AND_BACK 2
 
 /** The drawing faces as what moves in the clip does, or the other way: what fits better. */
 #define MRY_FACES_EITHER_WAY 0
@@ -1351,44 +1351,6 @@ typedef struct mry_plant_desc {
   size_t foot_count;
 } mry_plant_desc;
 
-/** At a frame of the result, a frame of the motion comes. */
-typedef struct mry_time_key {
-  /** The frame of the result, from 0. */
-  double at;
-  /** The frame of the motion. */
-  double frame;
-  /** How time passes until the next key: MRY_EASING_LINEAR, ... */
-  int32_t easing;
-  /** Zero. */
-  uint32_t reserved0;
-} mry_time_key;
-
-/** How a motion is given another time. Start from MRY_RETIME_DESC_INIT; nothing must be set. */
-typedef struct mry_retime_desc {
-  /** sizeof(mry_retime_desc). */
-  uint32_t struct_size;
-  /** MRY_DIRECTION_FORWARD, ... */
-  int32_t direction;
-  /** How many times as fast; 0 for 1. */
-  double speed;
-  /** Seconds in all, in place of a speed; 0 for what the speed leads to. */
-  double seconds;
-  /** Frames a second, in the same time; 0 for the motion's own. */
-  double fps;
-  /** How time passes over the whole: MRY_EASING_LINEAR, ... */
-  int32_t easing;
-  /** Frames that each picture stands: 2 for on twos; 0 for 1. */
-  uint32_t hold;
-  /** 1 if the motion is a loop: its first frame comes after its last, and the result is a loop too. */
-  uint32_t closed;
-  /** 1 if speed changes without jumps from key to key, in place of the keys' easings. */
-  uint32_t smooth;
-  /** When what comes, in order, in place of speed, seconds and easing. */
-  const mry_time_key *keys;
-  /** How many. */
-  size_t key_count;
-} mry_retime_desc;
-
 /** How a motion is carried over. Start from MRY_RETARGET_DESC_INIT; nothing must be set. */
 typedef struct mry_retarget_desc {
   /** sizeof(mry_retarget_desc). */
@@ -1641,6 +1603,44 @@ typedef struct mry_path_element {
   /** Its places, in the drawing's pixels; those that its kind does not have are 0. */
   mry_point points[3];
 } mry_path_element;
+
+/** At a frame of the result, a frame of the motion comes. */
+typedef struct mry_time_key {
+  /** The frame of the result, from 0. */
+  double at;
+  /** The frame of the motion. */
+  double frame;
+  /** How time passes until the next key: MRY_EASING_LINEAR, ... */
+  int32_t easing;
+  /** Zero. */
+  uint32_t reserved0;
+} mry_time_key;
+
+/** How something that moves is given another time. Start from MRY_RETIME_DESC_INIT; nothing must be set. */
+typedef struct mry_retime_desc {
+  /** sizeof(mry_retime_desc). */
+  uint32_t struct_size;
+  /** MRY_DIRECTION_FORWARD, ... */
+  int32_t direction;
+  /** How many times as fast; 0 for 1. */
+  double speed;
+  /** Seconds in all, in place of a speed; 0 for what the speed leads to. */
+  double seconds;
+  /** Frames a second, in the same time; 0 for the motion's own. */
+  double fps;
+  /** How time passes over the whole: MRY_EASING_LINEAR, ... */
+  int32_t easing;
+  /** Frames that each picture stands: 2 for on twos; 0 for 1. */
+  uint32_t hold;
+  /** 1 if the motion is a loop: its first frame comes after its last, and the result is a loop too. */
+  uint32_t closed;
+  /** 1 if speed changes without jumps from key to key, in place of the keys' easings. */
+  uint32_t smooth;
+  /** When what comes, in order, in place of speed, seconds and easing. */
+  const mry_time_key *keys;
+  /** How many. */
+  size_t key_count;
+} mry_retime_desc;
 
 /** How a job is doing. */
 typedef struct mry_job_state {
@@ -5818,9 +5818,9 @@ MRY_API mry_status mry_poses_destroy(mry_context *context, mry_poses poses);
 /** @} */
 
 /**
- * @defgroup motion_shaping Motions made smoother, steadier on their feet, faster or slower
+ * @defgroup motion_shaping Motions made smoother and steadier on their feet
  *
- * Motions made smoother, steadier on their feet, faster or slower. Each gives a new motion; what was given stays.
+ * Motions made smoother and steadier on their feet. Each gives a new motion; what was given stays.
  * @{
  */
 
@@ -5845,17 +5845,6 @@ void mry_smooth_desc_init(mry_smooth_desc *desc,
 MRY_API
 void mry_plant_desc_init(mry_plant_desc *desc,
                          uint32_t size);
-
-/**
- * Fills in a description with struct_size set and everything else zero, for languages without the INIT macros.
- *
- * @param desc  Where to write; NULL does nothing.
- * @param size  sizeof(mry_retime_desc) as the caller knows it.
- * Thread: [any-thread]. Since 0.1.
- */
-MRY_API
-void mry_retime_desc_init(mry_retime_desc *desc,
-                          uint32_t size);
 
 /**
  * Takes the jitter out of a motion. Key frames stay as they are, and where a track is trusted it stays nearer.
@@ -5920,26 +5909,6 @@ mry_status mry_motion_get_contacts(mry_context *context,
                                    size_t capacity,
                                    size_t *out_size,
                                    mry_error *err);
-
-/**
- * Gives a motion another time: faster, longer, at another rate, backwards, there and back, on twos, or by keys.
- *
- * @param context     The context.
- * @param motion      The motion.
- * @param desc        How; NULL for a copy.
- * @param out_motion  The motion at its new time.
- * @param err         Detail of a failure, or NULL.
- * @return MRY_OK; MRY_E_INPUT (a speed, time or rate below 0, keys out of order or outside the motion), MRY_E_LIMIT
- *         (points of all frames), MRY_E_ARGUMENT, MRY_E_NON_FINITE, MRY_E_STRUCT_SIZE, MRY_E_BUSY.
- * Lifetime: until mry_motion_destroy or the end of the context.
- * Thread: [any-thread]. Since 0.1.
- */
-MRY_API
-mry_status mry_motion_retime(mry_context *context,
-                             mry_motion motion,
-                             const mry_retime_desc *desc,
-                             mry_motion *out_motion,
-                             mry_error *err);
 
 /** @} */
 
@@ -7409,6 +7378,131 @@ mry_status mry_sketch_take_draw_frame(mry_context *context,
  * Thread: [any-thread]. Since 0.1.
  */
 MRY_API mry_status mry_sketch_take_destroy(mry_context *context, mry_sketch_take take);
+
+/** @} */
+
+/**
+ * @defgroup retiming Another time for what moves: motions, creatures and takes that are faster, longer, eased, backwards or held on twos
+ *
+ * Another time for what moves: motions, creatures and takes that are faster, longer, eased, backwards or held on twos. Each
+ * gives a new one; what was given stays.
+ * @{
+ */
+
+/**
+ * Fills in a description with struct_size set and everything else zero, for languages without the INIT macros.
+ *
+ * @param desc  Where to write; NULL does nothing.
+ * @param size  sizeof(mry_retime_desc) as the caller knows it.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+void mry_retime_desc_init(mry_retime_desc *desc,
+                          uint32_t size);
+
+/**
+ * Gives a motion another time: faster, longer, at another rate, backwards, there and back, on twos, or by keys.
+ *
+ * @param context     The context.
+ * @param motion      The motion.
+ * @param desc        How; NULL for a copy.
+ * @param out_motion  The motion at its new time.
+ * @param err         Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_INPUT (a speed, time or rate below 0, keys out of order or outside the motion), MRY_E_LIMIT
+ *         (points of all frames), MRY_E_ARGUMENT, MRY_E_NON_FINITE, MRY_E_STRUCT_SIZE, MRY_E_BUSY.
+ * Lifetime: until mry_motion_destroy or the end of the context.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_motion_retime(mry_context *context,
+                             mry_motion motion,
+                             const mry_retime_desc *desc,
+                             mry_motion *out_motion,
+                             mry_error *err);
+
+/**
+ * Gives a creature another time. What it was filmed in is not asked any more: the result's folder cannot be written.
+ *
+ * @param context       The context.
+ * @param creature      The creature.
+ * @param desc          How; NULL for a copy.
+ * @param out_creature  The creature at its new time; its motion too.
+ * @param err           Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_INPUT (a speed, time or rate below 0, keys out of order or outside its frames), MRY_E_LIMIT
+ *         (frames), MRY_E_ARGUMENT, MRY_E_NON_FINITE, MRY_E_STRUCT_SIZE, MRY_E_BUSY.
+ * Lifetime: until mry_creature_destroy or the end of the context.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_creature_retime(mry_context *context,
+                               mry_creature creature,
+                               const mry_retime_desc *desc,
+                               mry_creature *out_creature,
+                               mry_error *err);
+
+/**
+ * Gives a character's take another time.
+ *
+ * @param context   The context.
+ * @param take      The take.
+ * @param desc      How; NULL for a copy.
+ * @param out_take  The take at its new time.
+ * @param err       Detail of a failure, or NULL.
+ * @return MRY_OK; what mry_creature_retime returns.
+ * Lifetime: until mry_take_destroy or the end of the context.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_take_retime(mry_context *context,
+                           mry_take take,
+                           const mry_retime_desc *desc,
+                           mry_take *out_take,
+                           mry_error *err);
+
+/**
+ * Gives a drawing's take another time.
+ *
+ * @param context   The context.
+ * @param take      The take.
+ * @param desc      How; NULL for a copy.
+ * @param out_take  The take at its new time.
+ * @param err       Detail of a failure, or NULL.
+ * @return MRY_OK; what mry_creature_retime returns.
+ * Lifetime: until mry_sketch_take_destroy or the end of the context.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_sketch_take_retime(mry_context *context,
+                                  mry_sketch_take take,
+                                  const mry_retime_desc *desc,
+                                  mry_sketch_take *out_take,
+                                  mry_error *err);
+
+/**
+ * Which frame comes when something is given another time: for each frame of the result the place in what it is made of, in
+ * frames from 0, which may lie between two. For what plays it, and shows both at one time.
+ *
+ * @param context      The context.
+ * @param frame_count  Frames of what is given another time, 1 or more.
+ * @param fps          Its frames a second.
+ * @param desc         How; NULL for every frame as it is.
+ * @param places       Where the places go; NULL with capacity 0 to ask for their count.
+ * @param capacity     Places that fit.
+ * @param out_count    How many there are: frames of the result.
+ * @param err          Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_INPUT (no frames, a speed, time or rate below 0, keys out of order or outside the frames),
+ *         MRY_E_LIMIT (frames), MRY_E_ARGUMENT, MRY_E_NON_FINITE, MRY_E_STRUCT_SIZE, MRY_E_BUFFER_TOO_SMALL.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_retime_read_places(mry_context *context,
+                                  uint64_t frame_count,
+                                  double fps,
+                                  const mry_retime_desc *desc,
+                                  double *places,
+                                  size_t capacity,
+                                  size_t *out_count,
+                                  mry_error *err);
 
 /** @} */
 

@@ -602,6 +602,11 @@ public:
     return detail::perform([&](mry_error *err) { return mry_sketch_take_get_info(c(), id_, &info, err); },
                            [&] { return info; });
   }
+  /** The same at another time. */
+  result<sketch_take> retime(const mry_retime_desc &how) const {
+    return other<sketch_take, mry_sketch_take>(
+      [&](mry_sketch_take *id, mry_error *err) { return mry_sketch_take_retime(c(), id_, &how, id, err); });
+  }
   /** The order in which strokes are painted, the farthest first. */
   result<std::vector<std::uint32_t>> order() const {
     return detail::list<std::uint32_t>(
@@ -1039,6 +1044,11 @@ public:
     return detail::perform([&](mry_error *err) { return mry_creature_get_info(c(), id_, &info, err); },
                            [&] { return info; });
   }
+  /** The same at another time; its folder cannot be written. */
+  result<creature> retime(const mry_retime_desc &how) const {
+    return other<creature, mry_creature>(
+      [&](mry_creature *id, mry_error *err) { return mry_creature_retime(c(), id_, &how, id, err); });
+  }
   /** The motion that drives it. */
   result<marey::motion> motion() const {
     return other<marey::motion, mry_motion>(
@@ -1412,6 +1422,11 @@ public:
     mry_take_info info = MRY_TAKE_INFO_INIT;
     return detail::perform([&](mry_error *err) { return mry_take_get_info(c(), id_, &info, err); },
                            [&] { return info; });
+  }
+  /** The same at another time. */
+  result<take> retime(const mry_retime_desc &how) const {
+    return other<take, mry_take>(
+      [&](mry_take *id, mry_error *err) { return mry_take_retime(c(), id_, &how, id, err); });
   }
   /** The mesh in a frame. */
   result<std::vector<mry_point>> points(std::uint64_t frame) const {

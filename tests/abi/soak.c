@@ -274,6 +274,37 @@ static mry_status edit_motion(soak *s) {
   return status;
 }
 
+static mry_status retime(soak *s) {
+  mry_retime_desc how = MRY_RETIME_DESC_INIT;
+  const mry_time_key keys[2] = { { 0.0, 0.0, (int32_t)number(s, 6), 0 }, { (double)real(s), (double)real(s), 0, 0 } };
+  mry_motion motion = { 0 };
+  mry_creature creature = { 0 };
+  mry_take take = { 0 };
+  mry_sketch_take sketch = { 0 };
+  size_t count = 0;
+  mry_status status;
+  how.direction = (int32_t)number(s, 4);
+  how.speed = 1.0 + (double)real(s);
+  how.easing = (int32_t)number(s, 6);
+  how.hold = below(s, 3);
+  how.closed = number(s, 2);
+  how.keys = keys;
+  how.key_count = below(s, 3);
+  switch (below(s, 5)) {
+    case 0: status = mry_motion_retime(s->context, (mry_motion){ id(s, MOTION) }, &how, &motion, ERR); break;
+    case 1: status = mry_creature_retime(s->context, (mry_creature){ id(s, CREATURE) }, &how, &creature, ERR); break;
+    case 2: status = mry_take_retime(s->context, (mry_take){ id(s, TAKE) }, &how, &take, ERR); break;
+    case 3: status = mry_sketch_take_retime(s->context, (mry_sketch_take){ id(s, SKETCH) }, &how, &sketch, ERR); break;
+    default:
+      return mry_retime_read_places(s->context, number(s, 99), 24.0, below(s, 4) == 0 ? NULL : &how, out(s), room(s, sizeof(double)), &count, ERR);
+  }
+  keep(s, MOTION, motion.v);
+  keep(s, CREATURE, creature.v);
+  keep(s, TAKE, take.v);
+  keep(s, SKETCH, sketch.v);
+  return status;
+}
+
 static mry_status shape_motion(soak *s) {
   static const uint64_t frames[] = { 0, 2, 99 };
   mry_motion motion = { id(s, MOTION) }, creature = { id(s, MOTION) }, made = { 0 };
@@ -282,10 +313,8 @@ static mry_status shape_motion(soak *s) {
   mry_loop_desc closing = MRY_LOOP_DESC_INIT;
   mry_smooth_desc smoothing = MRY_SMOOTH_DESC_INIT;
   mry_plant_desc planting = MRY_PLANT_DESC_INIT;
-  mry_retime_desc retiming = MRY_RETIME_DESC_INIT;
   mry_limb_map_desc mapping = MRY_LIMB_MAP_DESC_INIT;
   const mry_str feet[2] = { text(s), text(s) };
-  const mry_time_key keys[2] = { { 0.0, 0.0, (int32_t)number(s, 6), 0 }, { (double)real(s), (double)real(s), 0, 0 } };
   size_t count = 0;
   mry_status status;
   planting.closed = number(s, 2);
@@ -315,15 +344,7 @@ static mry_status shape_motion(soak *s) {
       break;
     case 4: status = mry_motion_plant(s->context, motion, below(s, 4) == 0 ? NULL : &planting, &made, ERR); break;
     case 5: return mry_motion_get_contacts(s->context, motion, &planting, out(s), room(s, 1), &count, ERR);
-    case 6:
-      retiming.direction = (int32_t)number(s, 4);
-      retiming.speed = 1.0 + (double)real(s);
-      retiming.easing = (int32_t)number(s, 6);
-      retiming.closed = number(s, 2);
-      retiming.keys = keys;
-      retiming.key_count = below(s, 3);
-      status = mry_motion_retime(s->context, motion, &retiming, &made, ERR);
-      break;
+    case 6: return retime(s);
     case 7: status = mry_motion_map_limbs(s->context, motion, creature, &mapping, &made, ERR); break;
     default: return mry_motion_match_limbs(s->context, motion, creature, &mapping, out(s), room(s, 1), &count, ERR);
   }

@@ -14,7 +14,7 @@ use cbindgen::{Builder, Config, DocumentationStyle, EnumConfig, ExportConfig, Fu
 use crate::shell::{root, say};
 
 /// The files of ffi/src in the order a reader meets them.
-const FILES: [&str; 69] = [
+const FILES: [&str; 70] = [
     "version.rs",
     "status.rs",
     "string.rs",
@@ -59,6 +59,7 @@ const FILES: [&str; 69] = [
     "vector.rs",
     "binding.rs",
     "sketch_take.rs",
+    "retiming.rs",
     "job.rs",
     "opening.rs",
     "tracking.rs",

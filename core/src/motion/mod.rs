@@ -24,7 +24,7 @@ pub use easing::Easing;
 pub use gait_cycle::{GaitCycle, LimbPhase, find_cycle};
 pub(crate) use matching::listed;
 pub use planting::{Contacts, PlantParams, Planted, plant};
-pub use retime::{Direction, Retime, TimeKey, retime};
+pub use retime::{Course, Direction, Retime, TimeKey, retime};
 pub use smoothing::{Held, SmoothParams, smooth};
 
 use glam::Vec2;

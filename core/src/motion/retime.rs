@@ -5,9 +5,12 @@
 //! Keys are joined by an easing each, or smoothly by a cubic that never runs backwards between keys that do not (Fritsch
 //! and Carlson 1980).
 
-use super::sampling::Ends;
+use super::sampling::{Ends, split};
 use super::{Easing, Motion};
 use crate::error::{Error, Result};
+
+/// The most frames of a result: some twelve hours.
+const MOST_FRAMES: u64 = 1 << 20;
 
 /// Which way it goes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -73,63 +76,113 @@ impl Default for Retime {
     }
 }
 
+/// Which frame of its source each frame of a result is.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Course {
+    /// For each frame of the result the place in the source, in frames from 0; it may lie between two.
+    pub places: Vec<f64>,
+    /// Frames a second of the result.
+    pub fps: f64,
+    /// Whether the source's first frame comes after its last.
+    pub closed: bool,
+}
+
+impl Course {
+    /// For each frame of the result the source's frame before it, the one after it, and the share of the way between them.
+    /// There are `frames` in the source, one at least.
+    pub(crate) fn between(&self, frames: usize) -> impl Iterator<Item = (usize, usize, f64)> + '_ {
+        let count = frames as i64;
+        let there = move |f: i64| if self.closed { f.rem_euclid(count) } else { f.clamp(0, count - 1) } as usize;
+        self.places.iter().map(move |place| {
+            let (frame, share) = split(*place);
+            (there(frame), there(frame + 1), share)
+        })
+    }
+}
+
+impl Retime {
+    /// Which frame of something that takes `frames` at `fps` comes when.
+    ///
+    /// # Errors
+    /// No frames, a speed, a time or a rate that is not above 0, no frames to hold, keys that are no numbers or not in order,
+    /// or lie outside the source; more than a million frames.
+    pub fn course(&self, frames: usize, fps: f64) -> Result<Course> {
+        if frames == 0 {
+            return Err(Error::invalid("what is given another time", "has no frame", "give it one at least"));
+        }
+        let to_fps = self.fps.unwrap_or(fps);
+        for (value, what) in
+            [(self.speed, "speed"), (self.seconds.unwrap_or(1.0), "time"), (to_fps, "fps"), (fps, "the source's fps")]
+        {
+            if !(value > 0.0 && value.is_finite()) {
+                return Err(Error::invalid(format!("{what} of the motion"), format!("is {value}"), "give one above 0"));
+            }
+        }
+        if self.hold == 0 {
+            return Err(Error::invalid("frames that a picture stands", "are 0", "give 1, or 2 for on twos"));
+        }
+        let count = frames as f64;
+        // Steps from the first frame to the last; a loop has one more, back to the first.
+        let steps = if self.closed { count } else { count - 1.0 };
+        let places = if self.keys.is_empty() {
+            let seconds = self.seconds.unwrap_or(count / fps / self.speed);
+            // So many frames fill the time; the last of an open motion is its last frame.
+            let wished = seconds * to_fps;
+            room(wished)?;
+            let made = if self.closed || self.seconds.is_some() || self.fps.is_some() {
+                (wished.round() as usize).max(1)
+            } else {
+                // By a plain factor, every so many frames: a whole one keeps frames as they are.
+                (steps / self.speed + 1e-9).floor() as usize + 1
+            };
+            let whole = if self.closed { made as f64 } else { (made - 1) as f64 };
+            let plain = !self.closed && self.seconds.is_none() && self.fps.is_none() && self.easing == Easing::Linear;
+            let at = |k: usize| match whole {
+                _ if plain => (k as f64 * self.speed).min(steps),
+                0.0 => 0.0,
+                whole => self.easing.share(k as f64 / whole) * steps,
+            };
+            (0..made).map(at).collect()
+        } else {
+            keyed(self, steps)?
+        };
+        let places: Vec<f64> = match self.direction {
+            Direction::Forward => places,
+            // A loop keeps its first frame, so that backwards twice is forwards.
+            Direction::Backward if self.closed => places.iter().map(|t| (steps - t) % steps).collect(),
+            Direction::Backward => places.into_iter().rev().collect(),
+            Direction::ThereAndBack => {
+                let back = if self.closed { 1..places.len() } else { 1..places.len().saturating_sub(1).max(1) };
+                places.iter().copied().chain(places[back].iter().rev().copied()).collect()
+            }
+        };
+        let places = (0..places.len()).map(|k| places[k - k % self.hold]).collect();
+        Ok(Course { places, fps: to_fps, closed: self.closed })
+    }
+}
+
 /// Gives `motion` another time.
 ///
 /// # Errors
-/// A speed, a time or a rate that is not above 0, no frames to hold, keys that are no numbers or not in order, or lie
-/// outside the motion; a result of more than a motion can hold.
+/// What [`Retime::course`] refuses; a result of more than a motion can hold.
 pub fn retime(motion: &Motion, how: &Retime) -> Result<Motion> {
     motion.checked(1)?;
-    let fps = how.fps.unwrap_or(motion.fps);
-    for (value, what) in [(how.speed, "speed"), (how.seconds.unwrap_or(1.0), "time"), (fps, "fps")] {
-        if !(value > 0.0 && value.is_finite()) {
-            return Err(Error::invalid(format!("{what} of the motion"), format!("is {value}"), "give one above 0"));
-        }
+    let course = how.course(motion.frames, motion.fps)?;
+    super::edit::check_points(motion, course.places.len())?;
+    Ok(motion.at_times(&course.places, if how.closed { Ends::Closed } else { Ends::Open }, course.fps))
+}
+
+/// Checks that a result may have so many frames.
+fn room(frames: f64) -> Result<()> {
+    if frames <= MOST_FRAMES as f64 {
+        return Ok(());
     }
-    if how.hold == 0 {
-        return Err(Error::invalid("frames that a picture stands", "are 0", "give 1, or 2 for on twos"));
-    }
-    let count = motion.frames as f64;
-    // Steps from the first frame to the last; a loop has one more, back to the first.
-    let steps = if how.closed { count } else { count - 1.0 };
-    let times = if how.keys.is_empty() {
-        let seconds = how.seconds.unwrap_or(count / motion.fps / how.speed);
-        // So many frames fill the time; the last of an open motion is its last frame.
-        let wished = seconds * fps;
-        super::edit::check_points(motion, wished as usize)?;
-        let frames = if how.closed || how.seconds.is_some() || how.fps.is_some() {
-            (wished.round() as usize).max(1)
-        } else {
-            // By a plain factor, every so many frames: a whole one keeps frames as they are.
-            (steps / how.speed + 1e-9).floor() as usize + 1
-        };
-        let whole = if how.closed { frames as f64 } else { (frames - 1) as f64 };
-        let plain = !how.closed && how.seconds.is_none() && how.fps.is_none() && how.easing == Easing::Linear;
-        let at = |k: usize| match whole {
-            _ if plain => (k as f64 * how.speed).min(steps),
-            0.0 => 0.0,
-            whole => how.easing.share(k as f64 / whole) * steps,
-        };
-        (0..frames).map(at).collect()
-    } else {
-        keyed(motion, how, steps)?
-    };
-    let times: Vec<f64> = match how.direction {
-        Direction::Forward => times,
-        // A loop keeps its first frame, so that backwards twice is forwards.
-        Direction::Backward if how.closed => times.iter().map(|t| (steps - t) % steps).collect(),
-        Direction::Backward => times.into_iter().rev().collect(),
-        Direction::ThereAndBack => {
-            let back = if how.closed { 1..times.len() } else { 1..times.len().saturating_sub(1).max(1) };
-            times.iter().copied().chain(times[back].iter().rev().copied()).collect()
-        }
-    };
-    let held: Vec<f64> = (0..times.len()).map(|k| times[k - k % how.hold]).collect();
-    Ok(motion.at_times(&held, if how.closed { Ends::Closed } else { Ends::Open }, fps))
+    let (what, remedy) = ("the number of frames".to_owned(), "ask for fewer".to_owned());
+    Err(Error::Limit { what, value: frames as u64, max: MOST_FRAMES, remedy })
 }
 
 /// The source's frame for each frame of the result, by keys.
-fn keyed(motion: &Motion, how: &Retime, steps: f64) -> Result<Vec<f64>> {
+fn keyed(how: &Retime, steps: f64) -> Result<Vec<f64>> {
     let keys = &how.keys;
     let wrong = |i: usize, problem: String, remedy: &str| Err(Error::invalid(format!("time key {i}"), problem, remedy));
     for (i, key) in keys.iter().enumerate() {
@@ -146,7 +199,7 @@ fn keyed(motion: &Motion, how: &Retime, steps: f64) -> Result<Vec<f64>> {
         }
     }
     let end = keys[keys.len() - 1].at;
-    super::edit::check_points(motion, end as usize)?;
+    room(end)?;
     let slopes = monotone_slopes(keys);
     let at = |k: usize| {
         let t = k as f64;

@@ -23,7 +23,7 @@ pub(super) enum Ends {
 }
 
 /// The frame at or before time `t`, and how far it is to the next.
-fn split(t: f64) -> (i64, f64) {
+pub(super) fn split(t: f64) -> (i64, f64) {
     let near = t.round();
     if (t - near).abs() < SAME * (1.0 + near.abs()) {
         return (near as i64, 0.0);

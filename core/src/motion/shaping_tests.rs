@@ -448,7 +448,7 @@ fn keys_say_when_what_comes() {
         (vec![key(0.0, 49.0, Easing::Linear)], "time key 0"),
         (vec![key(5.0, 1.0, Easing::Linear), key(5.0, 2.0, Easing::Linear)], "time key 1"),
         (vec![key(f64::NAN, 1.0, Easing::Linear)], "time key 0"),
-        (vec![key(1e300, 1.0, Easing::Linear)], "the number of points"),
+        (vec![key(1e300, 1.0, Easing::Linear)], "the number of frames"),
     ] {
         let text = message(retime(&motion, &Retime { keys, ..Retime::default() }));
         assert!(text.contains(about), "{text}");

@@ -3,6 +3,7 @@
 pub mod character;
 pub mod creature;
 pub mod crowd;
+mod retiming;
 mod rigged_model;
 pub mod solid;
 

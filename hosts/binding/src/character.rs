@@ -290,8 +290,8 @@ impl Drop for Poses {
 /// A character in motion.
 #[derive(Debug)]
 pub struct Take {
-    id: mry_take,
-    context: Context,
+    pub(crate) id: mry_take,
+    pub(crate) context: Context,
 }
 
 impl Take {

@@ -36,6 +36,7 @@ mod parameter;
 mod plugin;
 mod print;
 mod render;
+mod retiming;
 mod rig;
 mod session;
 mod sketch;
@@ -57,11 +58,12 @@ pub use job::{CreatureOptions, CreatureSurface, Job, JobState, SegmentOptions, T
 pub use joints::Joints;
 pub use masks::Masks;
 pub use motion::{Correction, Motion, MotionInfo, TrackFrame};
-pub use motion_shaping::{Cycle, LimbMapOptions, LoopOptions, PlantOptions, RetimeOptions, Seam};
+pub use motion_shaping::{Cycle, LimbMapOptions, LoopOptions, PlantOptions, Seam};
 pub use parameter::{Parameter, ParameterKind};
 pub use plugin::{Plugin, PluginKind, PluginOptions, PluginParameter, PluginParameterKind};
 pub use print::{PrintOptions, PrintSize, Solid, SolidInfo, SolidMesh};
 pub use render::{Adapter, Camera, RenderFileOptions, RenderOptions, Style};
+pub use retiming::RetimeOptions;
 pub use rig::{Facing, Limb, Rig, Side, Stroke};
 pub use session::{Access, Part, Session, SessionState};
 pub use sketch::{

@@ -1,6 +1,4 @@
-//! What can be made of a motion: loops, smoother and steadier ones, other times, other creatures' limbs.
-
-use marey_ffi::mry_time_key;
+//! What can be made of a motion: loops, smoother and steadier ones, other creatures' limbs.
 
 use crate::{Motion, Result, sys};
 
@@ -66,29 +64,6 @@ pub struct PlantOptions<'a> {
     pub closed: bool,
 }
 
-/// How a motion is given another time; zeros are for the motion's own.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct RetimeOptions<'a> {
-    /// 0 forward, 1 backward, 2 there and back.
-    pub direction: i32,
-    /// How many times as fast.
-    pub speed: f64,
-    /// Seconds in all.
-    pub seconds: f64,
-    /// Frames a second.
-    pub fps: f64,
-    /// How time passes: 0 evenly, 1 slowly first, 2 slowly at last, 3 both, 4 not at all.
-    pub easing: i32,
-    /// Frames that each picture stands.
-    pub hold: u32,
-    /// Whether the motion is a loop.
-    pub closed: bool,
-    /// Whether speed changes without jumps from key to key.
-    pub smooth: bool,
-    /// A frame of the result, the frame of the motion that comes then, and the easing from there.
-    pub keys: &'a [(f64, f64, i32)],
-}
-
 /// How a motion is carried over to limbs.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct LimbMapOptions<'a> {
@@ -148,13 +123,6 @@ impl Motion {
     /// When feet are down and how they slide, as JSON.
     pub fn contacts(&self, options: &PlantOptions<'_>) -> Result<String> {
         sys::motion_contacts(&self.context.0, self.id, options)
-    }
-
-    /// At another time.
-    pub fn retimed(&self, options: &RetimeOptions<'_>) -> Result<Self> {
-        let key = |&(at, frame, easing): &(f64, f64, i32)| mry_time_key { at, frame, easing, reserved0: 0 };
-        let keys: Vec<mry_time_key> = options.keys.iter().map(key).collect();
-        Ok(self.made(sys::motion_retime(&self.context.0, self.id, options, &keys)?))
     }
 
     /// On the limbs of the creature whose own motion is given.

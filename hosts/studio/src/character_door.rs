@@ -305,7 +305,7 @@ impl CharacterDoor {
         let plain = Frame::new().fill(palette.panel).inner_margin(Margin::symmetric(theme::PAD, 8));
         self.shop.show_progress(ui);
         let transport = Panel::bottom("transport").frame(plain).resizable(false);
-        let asked = transport.show(ui, |ui| self.shop.show_transport(ui)).inner;
+        let asked = transport.show(ui, |ui| self.shop.show_transport(ui, around)).inner;
         Panel::left("steps").frame(plain).default_size(250.0).size_range(210.0..=360.0).show(ui, |ui| {
             ScrollArea::vertical().auto_shrink(false).show(ui, |ui| self.steps(ui, around));
         });

@@ -69,7 +69,6 @@ impl CreatureDoor {
             panel: Rect::NOTHING,
             document,
         };
-        door.playback.held = around.preferences.held.max(1);
         door.playback.seek(door.document.keys.first().copied().unwrap_or(0), 0.0);
         if let Some((clip, info)) = &door.document.clip {
             door.frames = Some(Frames::new(gui, clip.clone(), info));
@@ -115,6 +114,7 @@ impl CreatureDoor {
     pub(crate) fn show(&mut self, ui: &mut Ui, around: &mut Around) {
         self.watch(ui, around);
         let now = ui.input(|i| i.time);
+        self.playback.take(self.document.timing(), &around.context);
         self.playback.advance(now);
         if self.playback.playing() {
             widgets::keep_moving(ui.ctx());
@@ -171,9 +171,8 @@ impl CreatureDoor {
         }
         for asked in timeline.inner {
             match asked {
-                timeline::Asked::Hold(frames) => {
-                    self.playback.held = frames;
-                    around.preferences.held = frames;
+                timeline::Asked::Time(timing) => {
+                    around.notices.check(self.document.set_timing(timing));
                 }
                 timeline::Asked::Seek(frame) => self.playback.seek(frame, now),
                 timeline::Asked::Do(command) => self.command(command, ui.ctx(), around),
@@ -464,7 +463,7 @@ impl CreatureDoor {
         Some(Exported::Creature(ShownCreature {
             creature: &made.creature,
             clip,
-            frame: self.playback.frame(),
+            played: self.playback.played(),
             style: self.view3d.style,
             camera: self.view3d.camera(bounds, clip.height as f32),
         }))

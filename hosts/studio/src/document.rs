@@ -17,6 +17,7 @@ use serde::{Deserialize, Serialize};
 use crate::brush::Painted;
 use crate::marks::Marks;
 use crate::texts;
+use crate::timing::Timing;
 
 /// What is made of a session.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -28,18 +29,13 @@ pub(crate) enum Door {
     Drawing,
 }
 
-/// The session's notes: which door it is behind, and how a motion is carried over to a character.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+/// The session's notes: which door it is behind, how a motion is carried over to a character, and the time it takes.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 struct Notes {
     door: Door,
     character: CharacterNotes,
-}
-
-impl Default for Notes {
-    fn default() -> Self {
-        Self { door: Door::Creature, character: CharacterNotes::default() }
-    }
+    timing: Timing,
 }
 
 /// How a motion is carried over to a character.
@@ -366,8 +362,20 @@ impl Document {
     }
 
     pub(crate) fn set_character_notes(&mut self, label: &str, character: &CharacterNotes) -> Result<()> {
-        let notes = Notes { character: character.clone(), ..self.notes() };
-        let json = serde_json::to_vec(&notes).unwrap_or_default();
+        self.set_notes(label, &Notes { character: character.clone(), ..self.notes() })
+    }
+
+    /// The time that what is made takes.
+    pub(crate) fn timing(&self) -> Timing {
+        self.notes().timing
+    }
+
+    pub(crate) fn set_timing(&mut self, timing: Timing) -> Result<()> {
+        self.set_notes(texts::EDIT_TIMING, &Notes { timing, ..self.notes() })
+    }
+
+    fn set_notes(&mut self, label: &str, notes: &Notes) -> Result<()> {
+        let json = serde_json::to_vec(notes).unwrap_or_default();
         self.set_parts(label, &[(Part::Notes, Some(&json))])
     }
 

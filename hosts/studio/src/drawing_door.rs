@@ -390,7 +390,9 @@ impl DrawingDoor {
         }
         for asked in timeline.inner {
             match asked {
-                timeline::Asked::Hold(frames) => self.shop.hold(frames, around),
+                timeline::Asked::Time(timing) => {
+                    around.notices.check(self.shop.document.set_timing(timing));
+                }
                 timeline::Asked::Seek(frame) => self.shop.playback.seek(frame, now),
                 timeline::Asked::Do(command) => self.command(command, ui.ctx(), around),
                 timeline::Asked::MoveKey(from, to) => {

@@ -18,6 +18,7 @@ use crate::background::Background;
 use crate::document::Door;
 use crate::moving::Moving;
 use crate::picker::Ask;
+use crate::playback::Played;
 use crate::running::{Purpose, Running};
 use crate::theme::{self, Palette};
 use crate::{texts, view3d, widgets};
@@ -171,15 +172,14 @@ impl Default for ExportSettings {
 /// What is exported.
 pub(crate) enum Exported<'a> {
     Creature(ShownCreature<'a>),
-    /// What moves, and the frame that is shown.
-    Moving(&'a Moving, u64),
+    Moving(&'a Moving, Played),
 }
 
 /// A creature, and how the studio shows it.
 pub(crate) struct ShownCreature<'a> {
     pub(crate) creature: &'a Arc<Creature>,
     pub(crate) clip: &'a ClipInfo,
-    pub(crate) frame: u64,
+    pub(crate) played: Played,
     /// Style and camera of the 3D view.
     pub(crate) style: Style,
     pub(crate) camera: Camera,
@@ -189,8 +189,8 @@ impl Exported<'_> {
     fn door(&self) -> Door {
         match self {
             Self::Creature(_) => Door::Creature,
-            Self::Moving(Moving::Character(_), _) => Door::Character,
-            Self::Moving(Moving::Drawing(_), _) => Door::Drawing,
+            Self::Moving(Moving::Character(_), ..) => Door::Character,
+            Self::Moving(Moving::Drawing(_), ..) => Door::Drawing,
         }
     }
 }
@@ -246,30 +246,37 @@ impl ExportSettings {
         let at = path.to_string_lossy();
         let exported = match exported {
             Exported::Creature(creature) => creature,
-            Exported::Moving(moving, _) => {
+            Exported::Moving(moving, played) => {
+                let moving = moving.retimed(played.timing)?;
                 let (format, background, scale) = (self.format(exported.door()).moving(), self.behind(), self.scale());
                 let job = match moving {
                     Moving::Drawing(take) => {
                         let options = SketchFileOptions { path: &at, format, name: "", crop: false, scale, background };
-                        context.start_sketch_file(take, &options)?
+                        context.start_sketch_file(&take, &options)?
                     }
                     Moving::Character(take) => {
                         let options = TakeFileOptions { path: &at, format, name: "", crop: false, scale, background };
-                        context.start_take_file(take, &options)?
+                        context.start_take_file(&take, &options)?
                     }
                 };
                 return Ok((job, Purpose::Export { path: path.to_owned(), pictures: false }));
             }
         };
+        // The folder is what the frames of the clip gave.
+        let timing = exported.played.timing.options().filter(|_| self.format != Format::Folder);
+        let creature = match timing {
+            Some(how) => &Arc::new(exported.creature.retimed(&how)?),
+            None => exported.creature,
+        };
         let Some(format) = self.format.animation() else {
             let what = if self.format == Format::Glb { CreatureFile::Glb } else { CreatureFile::Folder };
-            let job = context.start_export(exported.creature, what, &at, false, 0.0)?;
+            let job = context.start_export(creature, what, &at, false, 0.0)?;
             return Ok((job, Purpose::Export { path: path.to_owned(), pictures: false }));
         };
         let pictures = self.pictures(exported, self.size(exported.clip));
         let turns = if self.from == From::Around { 1.0 } else { 0.0 };
         let file = RenderFileOptions { path: &at, format, turns, ..RenderFileOptions::default() };
-        let job = context.start_render(exported.creature, &pictures, &file)?;
+        let job = context.start_render(creature, &pictures, &file)?;
         Ok((job, Purpose::Export { path: path.to_owned(), pictures: true }))
     }
 }
@@ -394,9 +401,10 @@ impl ExportDialog {
                     ui.add_space(theme::GAP);
                     let pictured = settings.format(door).animation().is_some();
                     match exported {
-                        Exported::Creature(shown) if pictured => pictures(ui, settings, shown.clip),
-                        Exported::Creature(shown) => model(ui, shown.creature),
-                        Exported::Moving(moving, _) => drawn(ui, settings, moving, pictured, door),
+                        Exported::Creature(shown) if pictured => pictures(ui, settings, shown),
+                        Exported::Creature(shown) => model(ui, settings, shown),
+                        Exported::Moving(moving, played) if pictured => drawn(ui, settings, moving, *played, door),
+                        Exported::Moving(_, played) => about(ui, *played, Format::Svg),
                     }
                 });
             });
@@ -450,7 +458,7 @@ impl ExportDialog {
         let palette = Palette::of(ui);
         let full = match exported {
             Exported::Creature(shown) => settings.size(shown.clip),
-            Exported::Moving(moving, _) => moving.measure(1.0).map_or((1, 1), |m| m.0),
+            Exported::Moving(moving, ..) => moving.measure(1.0).map_or((1, 1), |m| m.0),
         };
         let most = PREVIEW;
         let share = (most.0 as f32 / full.0 as f32).min(most.1 as f32 / full.1 as f32);
@@ -458,9 +466,9 @@ impl ExportDialog {
         let size = (small(full.0), small(full.1));
         let options = match exported {
             Exported::Creature(shown) => {
-                Previewed::Creature(RenderOptions { frame: shown.frame, ..settings.pictures(shown, size) })
+                Previewed::Creature(RenderOptions { frame: shown.played.frame, ..settings.pictures(shown, size) })
             }
-            Exported::Moving(_, frame) => Previewed::Moving(*frame, share),
+            Exported::Moving(_, played) => Previewed::Moving(played.frame, share),
         };
 
         let (rect, response) = ui.allocate_exact_size(vec2(most.0 as f32, most.1 as f32), Sense::hover());
@@ -497,7 +505,7 @@ impl ExportDialog {
         if self.drawing.is_none() && self.asked != Some(options) {
             self.asked = Some(options);
             self.drawing = Some(match (exported, options) {
-                (Exported::Moving(moving, _), Previewed::Moving(frame, scale)) => {
+                (Exported::Moving(moving, ..), Previewed::Moving(frame, scale)) => {
                     let moving = (*moving).clone();
                     Background::start(ui.ctx(), move || moving.draw(frame, scale))
                 }
@@ -538,48 +546,52 @@ fn formats(ui: &mut eframe::egui::Ui, settings: &mut ExportSettings, door: Door)
 }
 
 /// What a file of the model holds.
-fn model(ui: &mut eframe::egui::Ui, creature: &Creature) {
-    if let Ok(info) = creature.info() {
-        widgets::remark(ui, texts::model_about(info.vertices, info.triangles, info.bones, info.frames));
-    }
+fn model(ui: &mut eframe::egui::Ui, settings: &ExportSettings, shown: &ShownCreature<'_>) {
+    let Ok(info) = shown.creature.info() else { return };
+    // The folder is what the frames of the clip gave.
+    let frames = if settings.format == Format::Folder { info.frames } else { shown.played.frames };
+    widgets::remark(ui, texts::model_about(info.vertices, info.triangles, info.bones, frames));
+}
+
+/// How long what is written takes.
+fn about(ui: &mut eframe::egui::Ui, played: Played, format: Format) {
+    let (film, gif) = (format == Format::Mp4, format == Format::Gif);
+    widgets::remark(ui, texts::animation_about(played.frames, played.fps, film, gif));
 }
 
 /// Points across of lists.
 const WIDE: f32 = 190.0;
 
 /// How what was drawn is written.
-fn drawn(ui: &mut eframe::egui::Ui, settings: &mut ExportSettings, moving: &Moving, pictured: bool, door: Door) {
+fn drawn(ui: &mut eframe::egui::Ui, settings: &mut ExportSettings, moving: &Moving, played: Played, door: Door) {
     let format = settings.format(door);
-    if pictured {
-        Grid::new("drawn").num_columns(2).spacing([12.0, 6.0]).show(ui, |ui| {
-            let label = ui.label(texts::SIZE);
-            let named = |percent: u32| {
-                let scale = ExportSettings { percent, ..settings.clone() }.scale();
-                let ((width, height), _) = moving.measure(scale).unwrap_or_default();
-                texts::drawn_size_name(width, height, percent)
-            };
-            let options = PERCENTS.map(|percent| (percent, named(percent)));
-            let list = ComboBox::from_id_salt("percent").width(WIDE).selected_text(named(settings.percent));
-            let list = list.show_ui(ui, |ui| {
-                for (percent, name) in options {
-                    ui.selectable_value(&mut settings.percent, percent, name);
-                }
-            });
-            list.response.labelled_by(label.id);
-            ui.end_row();
-
-            ui.label(texts::BEHIND);
-            ui.horizontal(|ui| background(ui, settings, format == Format::Mp4));
-            ui.end_row();
+    Grid::new("drawn").num_columns(2).spacing([12.0, 6.0]).show(ui, |ui| {
+        let label = ui.label(texts::SIZE);
+        let named = |percent: u32| {
+            let scale = ExportSettings { percent, ..settings.clone() }.scale();
+            let ((width, height), _) = moving.measure(scale).unwrap_or_default();
+            texts::drawn_size_name(width, height, percent)
+        };
+        let options = PERCENTS.map(|percent| (percent, named(percent)));
+        let list = ComboBox::from_id_salt("percent").width(WIDE).selected_text(named(settings.percent));
+        let list = list.show_ui(ui, |ui| {
+            for (percent, name) in options {
+                ui.selectable_value(&mut settings.percent, percent, name);
+            }
         });
-    }
-    if let Ok((frames, fps)) = moving.frames() {
-        widgets::remark(ui, texts::animation_about(frames, fps, format == Format::Mp4, format == Format::Gif));
-    }
+        list.response.labelled_by(label.id);
+        ui.end_row();
+
+        ui.label(texts::BEHIND);
+        ui.horizontal(|ui| background(ui, settings, format == Format::Mp4));
+        ui.end_row();
+    });
+    about(ui, played, format);
 }
 
 /// How pictures are.
-fn pictures(ui: &mut eframe::egui::Ui, settings: &mut ExportSettings, clip: &ClipInfo) {
+fn pictures(ui: &mut eframe::egui::Ui, settings: &mut ExportSettings, shown: &ShownCreature<'_>) {
+    let clip = shown.clip;
     let film = settings.format == Format::Mp4;
     Grid::new("pictures").num_columns(2).spacing([12.0, 6.0]).show(ui, |ui| {
         let label = ui.label(texts::FROM);
@@ -614,8 +626,7 @@ fn pictures(ui: &mut eframe::egui::Ui, settings: &mut ExportSettings, clip: &Cli
         ui.horizontal(|ui| background(ui, settings, film));
         ui.end_row();
     });
-    let gif = settings.format == Format::Gif;
-    widgets::remark(ui, texts::animation_about(clip.frames, clip.fps, film, gif));
+    about(ui, shown.played, settings.format);
 }
 
 fn background(ui: &mut eframe::egui::Ui, settings: &mut ExportSettings, opaque: bool) {

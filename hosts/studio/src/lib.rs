@@ -47,6 +47,7 @@ mod start;
 mod texts;
 mod theme;
 mod timeline;
+mod timing;
 mod view;
 mod view3d;
 mod widgets;

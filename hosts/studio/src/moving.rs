@@ -8,6 +8,8 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use eframe::egui::{ColorImage, Context, Rect, TextureHandle, TextureOptions, pos2, vec2};
 use marey_binding::{Result, SketchTake, Take};
 
+use crate::timing::Timing;
+
 /// Memory for frames as textures.
 const KEPT_BYTES: usize = 128 << 20;
 /// Frames that are drawn ahead of the shown one.
@@ -45,6 +47,15 @@ impl Moving {
         };
         let (width, height, rgba) = drawn.map_err(|e| e.to_string())?;
         Ok(ColorImage::from_rgba_unmultiplied([width as usize, height as usize], &rgba))
+    }
+
+    /// The same at another time.
+    pub(crate) fn retimed(&self, timing: Timing) -> Result<Self> {
+        let Some(how) = timing.options() else { return Ok(self.clone()) };
+        Ok(match self {
+            Self::Drawing(take) => Self::Drawing(Arc::new(take.retimed(&how)?)),
+            Self::Character(take) => Self::Character(Arc::new(take.retimed(&how)?)),
+        })
     }
 
     fn is(&self, other: &Self) -> bool {

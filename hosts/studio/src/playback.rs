@@ -1,25 +1,67 @@
 //! The frame that is shown, and its course while it plays.
 
+use marey_binding::Context;
+
 use crate::shortcuts::Command;
+use crate::timing::Timing;
+
+/// What is shown of what plays, as an export needs to know it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Played {
+    /// The frame that is shown.
+    pub(crate) frame: u64,
+    /// How many frames play.
+    pub(crate) frames: u64,
+    pub(crate) fps: f64,
+    pub(crate) timing: Timing,
+}
 
 /// Frames against the window's clock.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Playback {
     frames: u64,
     fps: f64,
     frame: u64,
-    /// The time and the frame it began to play at.
-    since: Option<(f64, u64)>,
+    /// The time and the place in the course it began to play at.
+    since: Option<(f64, usize)>,
     pub(crate) looped: bool,
-    /// While it plays, each picture is held for so many frames: 2 is "on twos".
-    pub(crate) held: u64,
+    timing: Timing,
+    /// The frames in the order in which they play, never none.
+    course: Vec<u64>,
 }
 
 impl Playback {
     /// `fps` beyond reason is taken for 24.
     pub(crate) fn new(frames: u64, fps: f64, looped: bool) -> Self {
         let fps = if fps.is_finite() && fps > 0.1 { fps } else { 24.0 };
-        Self { frames, fps, frame: 0, since: None, looped, held: 1 }
+        let course = (0..frames.max(1)).collect();
+        Self { frames, fps, frame: 0, since: None, looped, timing: Timing::default(), course }
+    }
+
+    /// Plays by that timing from here on.
+    pub(crate) fn take(&mut self, timing: Timing, context: &Context) {
+        if timing == self.timing {
+            return;
+        }
+        self.timing = timing;
+        let places = timing.options().and_then(|how| context.retimed_places(self.frames, self.fps, &how).ok());
+        self.course = match places {
+            // The frame that is nearest.
+            Some(places) if !places.is_empty() => places.iter().map(|p| (p.round() as u64).min(self.last())).collect(),
+            _ => (0..self.frames.max(1)).collect(),
+        };
+        // It goes on from what is shown.
+        self.since = self.since.map(|(began, _)| (began, self.place()));
+    }
+
+    pub(crate) fn played(&self) -> Played {
+        Played { frame: self.frame, frames: self.course.len() as u64, fps: self.fps, timing: self.timing }
+    }
+
+    /// Where in its course the shown frame comes first, or one near to it.
+    fn place(&self) -> usize {
+        let far = |place: &usize| self.course[*place].abs_diff(self.frame);
+        (0..self.course.len()).min_by_key(far).unwrap_or(0)
     }
 
     pub(crate) fn frame(&self) -> u64 {
@@ -43,9 +85,12 @@ impl Playback {
         self.since = match self.since {
             Some(_) => None,
             None if self.frames < 2 => None,
-            // At the end there is nothing left to play.
-            None if self.frame == self.last() && !self.looped => Some((now, 0)),
-            None => Some((now, self.frame)),
+            None => {
+                let place = self.place();
+                // At the end there is nothing left to play.
+                let ended = self.course[place] == self.course[self.course.len() - 1] && !self.looped;
+                Some((now, if ended { 0 } else { place }))
+            }
         };
     }
 
@@ -57,7 +102,7 @@ impl Playback {
     pub(crate) fn seek(&mut self, frame: u64, now: f64) {
         self.frame = frame.min(self.last());
         if self.since.is_some() {
-            self.since = Some((now, self.frame));
+            self.since = Some((now, self.place()));
         }
     }
 
@@ -90,20 +135,18 @@ impl Playback {
     /// The frame for this moment.
     pub(crate) fn advance(&mut self, now: f64) {
         let Some((began, from)) = self.since else { return };
-        let passed = ((now - began).max(0.0) * self.fps) as u64;
-        let at = from + passed - passed % self.held.max(1);
-        if at <= self.last() {
-            self.frame = at;
-        } else if self.looped {
-            self.frame = at % self.frames;
+        let (at, count) = (from + ((now - began).max(0.0) * self.fps) as usize, self.course.len());
+        if at < count || self.looped {
+            self.frame = self.course[at % count];
         } else {
-            self.frame = self.last();
+            self.frame = self.course[count - 1];
             self.since = None;
         }
     }
 }
 
 #[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 mod tests {
     use super::*;
 
@@ -131,17 +174,24 @@ mod tests {
     }
 
     #[test]
-    fn pictures_are_held_on_twos() {
-        let mut play = Playback::new(10, 10.0, true);
-        play.held = 2;
-        play.toggle(0.0);
-        let shown: Vec<u64> = (0..12)
-            .map(|i| {
+    fn it_goes_its_course() {
+        let context = Context::new(1).unwrap();
+        let shown = |timing: &str, from: u64, count: usize| -> Vec<u64> {
+            let mut play = Playback::new(10, 10.0, true);
+            play.take(serde_json::from_str(timing).unwrap(), &context);
+            play.seek(from, 0.0);
+            play.toggle(0.0);
+            let at = |i| {
                 play.advance(0.05 + 0.1 * f64::from(i));
                 play.frame()
-            })
-            .collect();
-        assert_eq!(shown, [0, 0, 2, 2, 4, 4, 6, 6, 8, 8, 0, 0]);
+            };
+            (0..count as i32).map(at).collect()
+        };
+        assert_eq!(shown(r#"{"held": 2}"#, 0, 12), [0, 0, 2, 2, 4, 4, 6, 6, 8, 8, 0, 0]);
+        assert_eq!(shown(r#"{"way": "there-and-back"}"#, 7, 6), [7, 8, 9, 8, 7, 6]);
+        assert_eq!(shown(r#"{"percent": 50}"#, 3, 4), [3, 3, 4, 4], "twice as long");
+        let eased = shown(r#"{"pace": "slow-ends"}"#, 0, 10);
+        assert_eq!((eased[0], eased[1], eased[9]), (0, 0, 9), "{eased:?}");
     }
 
     #[test]

@@ -42,8 +42,6 @@ pub(crate) struct Preferences {
     /// Playing begins again at the end.
     pub(crate) once: bool,
     pub(crate) onion: Onion,
-    /// For how many frames a picture is held while it plays; 0 for one.
-    pub(crate) held: u64,
     /// Keys that were chosen.
     pub(crate) keys: Chosen,
     /// What was chosen about plugins.

@@ -5,6 +5,7 @@ use std::time::Duration;
 
 use crate::document::Door;
 use crate::running::Step;
+use crate::timing::{Pace, Way};
 
 pub(crate) const PROGRAM: &str = "Marey Studio";
 pub(crate) const SUBTITLE: &str = "Turn a clip of something alive into animation that you can use.";
@@ -234,9 +235,14 @@ pub(crate) const ONION_SETTINGS: &str = "Onion skin: how much";
 pub(crate) const ONION_BEFORE: &str = "Poses before";
 pub(crate) const ONION_AFTER: &str = "Poses after";
 pub(crate) const ONION_EVERY: &str = "Frames between";
-pub(crate) const HELD: &str = "Pictures are held";
-pub(crate) const HELD_HINT: &str =
-    "On twos, each second picture is shown for two frames, as drawn animation is. For playing only.";
+pub(crate) const TIMING_HINT: &str = "How long pictures stand, and how time passes";
+pub(crate) const TIMING_PICTURES: &str = "Pictures";
+pub(crate) const TIMING_PACE: &str = "Pace";
+pub(crate) const TIMING_WAY: &str = "Way";
+pub(crate) const TIMING_SPEED: &str = "Speed";
+pub(crate) const TIMING_ABOUT: &str =
+    "Drawn animation is often on twos: each second picture, for two frames. It is exported as it plays.";
+pub(crate) const EDIT_TIMING: &str = "Timing";
 
 // The creature.
 pub(crate) const VIEW3D_NAME: &str = "The creature in 3D";
@@ -549,13 +555,46 @@ pub(crate) fn place_in_time(frame: u64, frames: u64, seconds: f64) -> String {
 }
 
 /// For how many frames a picture is held, as animators say it.
-pub(crate) fn held(frames: u64) -> String {
+pub(crate) fn held(frames: u32) -> String {
     match frames {
         1 => "on ones".into(),
         2 => "on twos".into(),
         3 => "on threes".into(),
         4 => "on fours".into(),
         _ => format!("for {frames} frames"),
+    }
+}
+
+pub(crate) fn timing_name(words: &str) -> String {
+    format!("Timing: {words}")
+}
+
+pub(crate) fn pace(pace: Pace) -> String {
+    match pace {
+        Pace::Even => "even",
+        Pace::SlowStart => "slow start",
+        Pace::SlowEnd => "slow end",
+        Pace::SlowEnds => "slow ends",
+    }
+    .into()
+}
+
+pub(crate) fn way(way: Way) -> String {
+    match way {
+        Way::Forward => "forward",
+        Way::Backward => "backward",
+        Way::ThereAndBack => "there and back",
+    }
+    .into()
+}
+
+pub(crate) fn speed(percent: u32) -> String {
+    match percent {
+        25 => "a quarter".into(),
+        50 => "half".into(),
+        100 => "as it was".into(),
+        200 => "double".into(),
+        _ => format!("{percent} %"),
     }
 }
 

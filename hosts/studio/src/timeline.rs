@@ -1,8 +1,8 @@
 //! The clip in time: small pictures, key frames as diamonds, where it is unsure, and what plays.
 
 use eframe::egui::{
-    Align, Align2, Color32, ComboBox, EventFilter, FontId, Key, Layout, Modifiers, Popup, PopupCloseBehavior, Pos2,
-    Rect, Response, RichText, Sense, Shape, Stroke, StrokeKind, Ui, WidgetInfo, pos2, vec2,
+    Align, Align2, Color32, EventFilter, FontId, Key, Layout, Modifiers, Popup, PopupCloseBehavior, Pos2, Rect,
+    Response, RichText, Sense, Shape, Stroke, StrokeKind, Ui, WidgetInfo, pos2, vec2,
 };
 
 use crate::document::Document;
@@ -12,6 +12,7 @@ use crate::onion::Onion;
 use crate::playback::Playback;
 use crate::shortcuts::Command;
 use crate::theme::Palette;
+use crate::timing::{self, Timing};
 use crate::{canvas, texts, widgets};
 
 /// Room for the diamonds above the pictures, and for the marks below.
@@ -28,8 +29,7 @@ pub(crate) const HEIGHT: f32 = 28.0 + KEYS + PICTURES + MARKS + 36.0;
 pub(crate) enum Asked {
     Seek(u64),
     Do(Command),
-    /// Hold each picture for so many frames while it plays.
-    Hold(u64),
+    Time(Timing),
     /// Move a key frame.
     MoveKey(u64, u64),
 }
@@ -181,7 +181,8 @@ fn controls(ui: &mut Ui, document: &Document, playback: &Playback, onion: Option
                 asked.push(Asked::Do(Command::Loop));
             }
         });
-        held(ui, playback, &mut asked);
+        ui.add_space(6.0);
+        asked.extend(timing::menu(ui, &document.timing()).map(Asked::Time));
         ui.add_space(8.0);
         if let Some(onion) = onion {
             let hint = crate::shortcuts::hint(ui.ctx(), texts::ONION, Command::Onion);
@@ -207,20 +208,6 @@ fn controls(ui: &mut Ui, document: &Document, playback: &Playback, onion: Option
         });
     });
     asked
-}
-
-/// For how many frames each picture is held.
-fn held(ui: &mut Ui, playback: &Playback, asked: &mut Vec<Asked>) {
-    let list = ComboBox::from_id_salt("held").width(84.0).selected_text(texts::held(playback.held));
-    let list = list.show_ui(ui, |ui| {
-        for frames in 1..=4 {
-            let on = playback.held == frames;
-            if ui.selectable_label(on, texts::held(frames)).clicked() && !on {
-                asked.push(Asked::Hold(frames));
-            }
-        }
-    });
-    list.response.accessible_name(texts::HELD).on_hover_text(texts::HELD_HINT);
 }
 
 /// Small pictures side by side, each as wide as it is; the strip is filled whatever its width.

@@ -15,7 +15,7 @@ use crate::running::{Ended, Purpose, Running, Step};
 use crate::shortcuts::Command;
 use crate::theme::{self, Palette};
 use crate::timeline::Timeline;
-use crate::{canvas, texts, widgets};
+use crate::{canvas, texts, timing, widgets};
 
 /// How a step ended.
 #[derive(Debug)]
@@ -43,8 +43,7 @@ impl Workshop {
     pub(crate) fn new(gui: &Gui, document: Document, around: &mut Around) -> Self {
         document.greet(around);
         let (frames, fps) = document.clip.as_ref().map_or((0, 0.0), |(_, info)| (info.frames, info.fps));
-        let mut playback = Playback::new(frames, fps, !around.preferences.once);
-        playback.held = around.preferences.held.max(1);
+        let playback = Playback::new(frames, fps, !around.preferences.once);
         Self {
             frames: document.clip.as_ref().map(|(clip, info)| Frames::new(gui, clip.clone(), info)),
             timeline: Timeline::default(),
@@ -59,6 +58,7 @@ impl Workshop {
 
     /// Time goes on.
     pub(crate) fn advance(&mut self, ui: &Ui, around: &mut Around) {
+        self.playback.take(self.document.timing(), &around.context);
         self.playback.advance(ui.input(|i| i.time));
         if self.playback.playing() {
             widgets::keep_moving(ui.ctx());
@@ -69,20 +69,12 @@ impl Workshop {
         }
     }
 
-    /// Each picture is held for so many frames while it plays.
-    pub(crate) fn hold(&mut self, frames: u64, around: &mut Around) {
-        self.playback.held = frames;
-        around.preferences.held = frames;
-    }
-
     /// What moves was made anew; it plays.
     pub(crate) fn show_moving(&mut self, moving: Moving, now: f64) {
         if let Ok((frames, fps)) = moving.frames() {
             let (frame, first) = (self.playback.frame(), self.moving.is_none());
             let playing = self.playback.playing() || first;
-            let held = self.playback.held;
             self.playback = Playback::new(frames, fps, self.playback.looped);
-            self.playback.held = held;
             self.playback.seek(frame, now);
             if playing {
                 self.playback.toggle(now);
@@ -130,7 +122,7 @@ impl Workshop {
     }
 
     /// Playing without a clip.
-    pub(crate) fn show_transport(&mut self, ui: &mut Ui) -> Vec<Command> {
+    pub(crate) fn show_transport(&mut self, ui: &mut Ui, around: &mut Around) -> Vec<Command> {
         let mut asked = Vec::new();
         ui.add_enabled_ui(self.moving.is_some(), |ui| {
             ui.horizontal(|ui| {
@@ -143,6 +135,10 @@ impl Workshop {
                 }
                 if widgets::icon_toggle(ui, Icon::Loop, texts::LOOP, self.playback.looped).clicked() {
                     asked.push(Command::Loop);
+                }
+                ui.add_space(6.0);
+                if let Some(timing) = timing::menu(ui, &self.document.timing()) {
+                    around.notices.check(self.document.set_timing(timing));
                 }
                 ui.add_space(10.0);
                 let (mut frame, last) = (self.playback.frame(), self.playback.last());
@@ -198,7 +194,7 @@ impl Workshop {
 
     pub(crate) fn show_export(&mut self, ui: &Ui, around: &mut Around) {
         let (Some(mut dialog), Some(moving)) = (self.export.take(), &self.moving) else { return };
-        let exported = Exported::Moving(moving, self.playback.frame());
+        let exported = Exported::Moving(moving, self.playback.played());
         let (settings, home) = (&mut around.preferences.export, &around.places.home);
         let asked = dialog.show(ui.ctx(), settings, &exported, home, &self.document.title);
         match asked {
@@ -222,7 +218,7 @@ impl Workshop {
             around.notices.failed(texts::MOVE_FIRST);
             return;
         };
-        let exported = Exported::Moving(moving, self.playback.frame());
+        let exported = Exported::Moving(moving, self.playback.played());
         self.running = export::start(&exported, path, around);
     }
 }

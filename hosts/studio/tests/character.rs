@@ -6,6 +6,7 @@ mod common;
 use std::path::Path;
 
 use common::Desk;
+use egui_kittest::kittest::Queryable as _;
 use marey_studio::egui::{Key, Modifiers};
 
 const CTRL: Modifiers = Modifiers::COMMAND;
@@ -68,12 +69,33 @@ fn a_picture_takes_a_motion_and_is_exported() {
     desk.click("Animated PNG");
     desk.click("Export");
     desk.wait("the export", |s| s.open().is_some_and(|o| !o.is_busy()));
-    let png = image::codecs::png::PngDecoder::new(std::io::BufReader::new(
-        std::fs::File::open(desk.home().join("figure.png")).unwrap(),
-    ))
-    .unwrap();
-    let frames = image::AnimationDecoder::into_frames(png.apng().unwrap()).collect_frames().unwrap();
-    assert_eq!(frames.len(), 24);
+    let frames = |desk: &Desk| {
+        let file = std::fs::File::open(desk.home().join("figure.png")).unwrap();
+        let png = image::codecs::png::PngDecoder::new(std::io::BufReader::new(file)).unwrap();
+        let frames = image::AnimationDecoder::into_frames(png.apng().unwrap()).collect_frames().unwrap();
+        frames.into_iter().map(|f| f.into_buffer().into_raw()).collect::<Vec<_>>()
+    };
+    let ones = frames(&desk);
+    assert_eq!(ones.len(), 24);
+
+    // It is exported as it plays: on twos, at half the speed.
+    desk.click("Timing: on ones");
+    desk.click("on twos");
+    desk.click("half");
+    desk.harness.check_accessibility();
+    desk.keys(Modifiers::NONE, Key::Escape);
+    desk.keys(CTRL, Key::E);
+    desk.harness.get_by_label_contains("47 frames");
+    desk.click("Export");
+    desk.wait("the export", |s| s.open().is_some_and(|o| !o.is_busy()));
+    let twos = frames(&desk);
+    assert_eq!(twos.len(), 47);
+    assert!((0..46).step_by(2).all(|f| twos[f] == twos[f + 1]), "pictures stand for two frames");
+    assert_eq!((&twos[0], &twos[20]), (&ones[0], &ones[10]));
+    for _ in 0..2 {
+        desk.keys(CTRL, Key::Z);
+    }
+    desk.harness.get_by_label("Timing: on ones");
 
     desk.keys(CTRL, Key::E);
     desk.click("glTF (.glb)");

@@ -1,7 +1,7 @@
 //! What can be made of a motion.
 
 use super::*;
-use crate::motion_shaping::{LimbMapOptions, LoopOptions, PlantOptions, RetimeOptions};
+use crate::motion_shaping::{LimbMapOptions, LoopOptions, PlantOptions};
 
 pub(crate) fn motion_cycle(handle: &Handle, motion: mry_motion) -> Result<mry_cycle> {
     let mut cycle = sized!(mry_cycle_init, mry_cycle);
@@ -66,22 +66,6 @@ pub(crate) fn motion_contacts(handle: &Handle, motion: mry_motion, options: &Pla
     planting(options, |desc| {
         sized_text(|text, capacity, size| call!(mry_motion_get_contacts(handle, motion, desc, text, capacity, size)))
     })
-}
-
-pub(crate) fn motion_retime(
-    handle: &Handle,
-    motion: mry_motion,
-    options: &RetimeOptions<'_>,
-    keys: &[mry_time_key],
-) -> Result<mry_motion> {
-    let mut desc = sized!(mry_retime_desc_init, mry_retime_desc);
-    (desc.direction, desc.easing, desc.hold) = (options.direction, options.easing, options.hold);
-    (desc.speed, desc.seconds, desc.fps) = (options.speed, options.seconds, options.fps);
-    (desc.closed, desc.smooth) = (u32::from(options.closed), u32::from(options.smooth));
-    (desc.keys, desc.key_count) = (keys.as_ptr(), keys.len());
-    let mut made = mry_motion::default();
-    call!(mry_motion_retime(handle, motion, &desc, &mut made))?;
-    Ok(made)
 }
 
 fn limb_map_desc(options: &LimbMapOptions<'_>) -> mry_limb_map_desc {
