@@ -116,6 +116,15 @@ fn creature(desk: &mut Desk, save: Save<'_>) {
     desk.harness.key_press(Key::Escape);
     desk.harness.run_steps(2);
     desk.harness.key_press(Key::O);
+    desk.click("Timing: on ones");
+    desk.click("on twos");
+    desk.click("slow ends");
+    save(desk, "timing");
+    desk.harness.key_press(Key::Escape);
+    for _ in 0..2 {
+        desk.harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    }
+    desk.harness.run_steps(3);
     desk.click("Paint what is the creature");
     let along = [(300.0, 235.0), (350.0, 235.0), (420.0, 240.0)];
     desk.draw(&along);
@@ -158,7 +167,7 @@ fn creature(desk: &mut Desk, save: Save<'_>) {
     desk.click("File");
     desk.harness.key_press_modifiers(Modifiers::COMMAND, Key::A);
     desk.harness.step();
-    desk.harness.get_by_label("File").type_text("/home/ada/Pictures/A fox that walks.webp");
+    desk.harness.get_by_label("File").type_text("Pictures/A fox that walks.webp");
     desk.harness.step();
     desk.harness.key_press(Key::Enter);
     desk.rest(1500);
@@ -252,7 +261,7 @@ fn drawing(desk: &mut Desk, save: Save<'_>) {
     desk.click("File");
     desk.harness.key_press_modifiers(Modifiers::COMMAND, Key::A);
     desk.harness.step();
-    desk.harness.get_by_label("File").type_text("/home/ada/Pictures/A horse that gallops.json");
+    desk.harness.get_by_label("File").type_text("Pictures/A horse that gallops.json");
     desk.harness.step();
     desk.harness.key_press(Key::Enter);
     desk.rest(1200);

@@ -191,7 +191,13 @@ pub(crate) fn taken(ctx: &Context, keys: KeyboardShortcut, by_other_than: Comman
 pub(crate) fn text(keys: KeyboardShortcut) -> String {
     let KeyboardShortcut { modifiers: m, logical_key } = keys;
     let held = [(m.command || m.ctrl, "Ctrl+"), (m.shift, "Shift+"), (m.alt, "Alt+")];
-    held.iter().filter(|(on, _)| *on).map(|(_, word)| *word).chain([logical_key.name()]).collect()
+    // A comma alone is easily overlooked; a bracket is what is on the key.
+    let name = match logical_key {
+        Key::OpenBracket => "[",
+        Key::CloseBracket => "]",
+        key => key.name(),
+    };
+    held.iter().filter(|(on, _)| *on).map(|(_, word)| *word).chain([name]).collect()
 }
 
 fn parse(text: &str) -> Option<KeyboardShortcut> {

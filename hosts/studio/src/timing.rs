@@ -1,7 +1,7 @@
 //! The time that what was made takes: how long each picture stands, how it starts and ends, which way and how fast it goes. It
 //! belongs to the session, and is played and exported.
 
-use eframe::egui::{Grid, Popup, PopupCloseBehavior, Ui};
+use eframe::egui::{Grid, Popup, PopupCloseBehavior, Ui, vec2};
 use marey_binding::RetimeOptions;
 use serde::{Deserialize, Serialize};
 
@@ -76,6 +76,7 @@ pub(crate) fn menu(ui: &mut Ui, now: &Timing) -> Option<Timing> {
     let name = texts::timing_name(&words);
     let button = ui.button(words).on_hover_text(texts::TIMING_HINT).accessible_name(name);
     Popup::menu(&button).close_behavior(PopupCloseBehavior::CloseOnClickOutside).show(|ui| {
+        ui.spacing_mut().button_padding = vec2(8.0, 4.0);
         Grid::new("timing").num_columns(2).spacing([14.0, 8.0]).show(ui, |ui| {
             row(ui, texts::TIMING_PICTURES, &mut timing.held, &[1, 2, 3, 4].map(|n| (n, texts::held(n))));
             let paces = [Pace::Even, Pace::SlowStart, Pace::SlowEnd, Pace::SlowEnds];
