@@ -240,8 +240,7 @@ pub(crate) const TIMING_PICTURES: &str = "Pictures";
 pub(crate) const TIMING_PACE: &str = "Pace";
 pub(crate) const TIMING_WAY: &str = "Way";
 pub(crate) const TIMING_SPEED: &str = "Speed";
-pub(crate) const TIMING_ABOUT: &str =
-    "Drawn animation is often on twos. It is exported as it plays.";
+pub(crate) const TIMING_ABOUT: &str = "Drawn animation is often on twos. It is exported as it plays.";
 pub(crate) const EDIT_TIMING: &str = "Timing";
 
 // The creature.

@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 pub mod gestures;
+pub mod screens;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
