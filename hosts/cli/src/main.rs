@@ -6,9 +6,7 @@
 mod args;
 mod commands;
 mod failure;
-mod motion_args;
 mod say;
-mod surface_args;
 mod watch;
 
 use clap::Parser as _;

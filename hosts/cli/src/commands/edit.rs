@@ -4,9 +4,9 @@ use marey_binding::EditedMesh;
 
 use super::character::parsed;
 use super::{Session, check_file, utf8};
+use crate::args::surface::Edit;
 use crate::failure::Failure;
 use crate::say;
-use crate::surface_args::Edit;
 use crate::watch::watch;
 
 pub(crate) fn edit(session: &Session, args: &Edit) -> Result<(), Failure> {

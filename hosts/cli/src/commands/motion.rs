@@ -6,8 +6,8 @@ use serde_json::{Value, json};
 use super::character::{parsed, read_motion, write_motion};
 use super::{Session, check_file, text_of};
 use crate::args::Angles;
+use crate::args::motion::{Cycle, Easing, Loop, Map, MotionCommand, Plant, Retime, Smooth, Through};
 use crate::failure::{BAD_USE, FAILED, Failure};
-use crate::motion_args::{Cycle, Easing, Loop, Map, MotionCommand, Plant, Retime, Smooth, Through};
 use crate::say;
 
 pub(crate) fn motion(session: &Session, command: &MotionCommand) -> Result<(), Failure> {

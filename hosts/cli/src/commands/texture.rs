@@ -6,12 +6,12 @@ use marey_binding::{Creature, Texture, TextureOptions};
 use serde_json::json;
 
 use super::{Session, check_file, masks_of, utf8};
+use crate::args::surface;
 use crate::failure::{BAD_INPUT, Failure};
 use crate::say;
-use crate::surface_args;
 use crate::watch::watch;
 
-pub(crate) fn texture(session: &Session, args: &surface_args::Texture) -> Result<(), Failure> {
+pub(crate) fn texture(session: &Session, args: &surface::Texture) -> Result<(), Failure> {
     args.output.as_deref().map(check_file).transpose()?;
     let creature = session.context.open_creature(utf8(&args.creature)?)?;
     session.interrupt.check()?;
@@ -37,7 +37,7 @@ pub(crate) fn texture(session: &Session, args: &surface_args::Texture) -> Result
 }
 
 /// The creature with what it is to wear; none where it only shows what it wears.
-fn dressed(session: &Session, args: &surface_args::Texture, creature: &Creature) -> Result<Option<Creature>, Failure> {
+fn dressed(session: &Session, args: &surface::Texture, creature: &Creature) -> Result<Option<Creature>, Failure> {
     if let Some(folder) = &args.painted {
         return Ok(Some(creature.with_textures(utf8(folder)?)?));
     }
