@@ -8,14 +8,16 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use marey_binding::{
-    Clip, ClipInfo, Context, Correction, Facing, Job, Motion, Part, Result, Session, SessionState, Side, Stroke,
-    TrackFrame,
+    Clip, ClipInfo, Context, Correction, Facing, Job, LimbDepth, Motion, Part, Result, Session, SessionState, Side,
+    Stroke, TrackFrame,
 };
 
 use serde::{Deserialize, Serialize};
 
 use crate::brush::Painted;
 use crate::marks::Marks;
+use crate::overlaps::Said;
+use crate::solved::Stamp;
 use crate::texts;
 
 /// What is made of a session.
@@ -34,11 +36,17 @@ pub(crate) enum Door {
 struct Notes {
     door: Door,
     character: CharacterNotes,
+    /// On which picture a character's joints are those that are marked on the clip.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    marked_for: Option<u64>,
+    /// Of what the motion is that was followed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    solved: Option<Stamp>,
 }
 
 impl Default for Notes {
     fn default() -> Self {
-        Self { door: Door::Creature, character: CharacterNotes::default() }
+        Self { door: Door::Creature, character: CharacterNotes::default(), marked_for: None, solved: None }
     }
 }
 
@@ -109,6 +117,8 @@ pub(crate) struct Document {
     /// Frames that are drawn on, rising.
     pub(crate) keys: Vec<u64>,
     strokes: HashMap<(usize, u64), Stroke>,
+    /// What is said of limbs' depth, by limb and frame.
+    depths: HashMap<(usize, u64), LimbDepth>,
     /// By frame.
     painted: HashMap<u64, Vec<Painted>>,
     pub(crate) tracked: Option<Tracked>,
@@ -155,7 +165,12 @@ impl Document {
         parts: Parts<'_>,
     ) -> Result<Self> {
         let clip = clip.map(|path| context.open_clip(path)).transpose()?;
-        let notes = serde_json::to_vec(&Notes { door, ..Notes::default() }).unwrap_or_default();
+        let of = |wanted: Part| parts.iter().find(|(part, _)| *part == wanted).and_then(|(_, bytes)| *bytes);
+        let solved = match (of(Part::Points), of(Part::Motion), &clip) {
+            (Some(points), Some(_), Some(clip)) => Some(Stamp::new(points, &clip.info()?)),
+            _ => None,
+        };
+        let notes = serde_json::to_vec(&Notes { door, solved, ..Notes::default() }).unwrap_or_default();
         let session = context.new_untitled_session(&unsaved.to_string_lossy())?;
         let set_up = || {
             session.begin_gesture(texts::EDIT_OPEN)?;
@@ -185,6 +200,7 @@ impl Document {
             limbs: Vec::new(),
             keys: Vec::new(),
             strokes: HashMap::new(),
+            depths: HashMap::new(),
             painted: HashMap::new(),
             tracked: None,
             marks: Marks::new((1, 1)),
@@ -230,6 +246,23 @@ impl Document {
         (0..self.limbs.len()).filter_map(move |limb| Some((limb, self.stroke(limb, frame)?)))
     }
 
+    /// What is said of a limb's depth on a frame.
+    pub(crate) fn depth(&self, limb: usize, frame: u64) -> LimbDepth {
+        self.depths.get(&(limb, frame)).copied().unwrap_or_default()
+    }
+
+    /// What is said of all limbs' depth.
+    pub(crate) fn depths_said(&self) -> Said {
+        let keys = |limb: usize| {
+            let key = |frame: &u64| {
+                let said = self.depth(limb, *frame).depth;
+                (said.is_some() || self.stroke(limb, *frame).is_some()).then_some((*frame, said))
+            };
+            self.keys.iter().filter_map(key).collect()
+        };
+        self.limbs.iter().enumerate().map(|(limb, l)| (l.label.clone(), keys(limb))).collect()
+    }
+
     /// The hints that are painted on a frame.
     pub(crate) fn painted(&self, frame: u64) -> &[Painted] {
         self.painted.get(&frame).map_or(&[], |hints| hints)
@@ -251,12 +284,21 @@ impl Document {
             while self.session.undo_label()?.is_some_and(|label| label.ends_with(texts::EDIT_FOLLOWED)) {
                 self.session.undo()?;
             }
+            self.forget_clip(self.session.undo_label()?);
             self.session.undo()?;
         }
         self.refresh(true)
     }
 
+    /// Another clip may be there after this step.
+    fn forget_clip(&mut self, step: Option<String>) {
+        if step.is_some_and(|step| [texts::EDIT_CLIP, texts::EDIT_MOTION].contains(&&*step)) {
+            self.clip = None;
+        }
+    }
+
     pub(crate) fn redo_one(&mut self) -> Result<()> {
+        self.forget_clip(self.session.redo_label()?);
         self.session.redo()?;
         while self.session.redo_label()?.is_some_and(|label| label.ends_with(texts::EDIT_FOLLOWED)) {
             self.session.redo()?;
@@ -321,6 +363,17 @@ impl Document {
         self.edit(texts::EDIT_FACING, |session| session.set_stroke(limb as u32, frame, &points, facing))
     }
 
+    /// Says how deep limbs are on a frame, or no longer.
+    pub(crate) fn set_depths(&mut self, frame: u64, said: &[(usize, Option<f32>)]) -> Result<()> {
+        let said: Vec<(u32, LimbDepth)> = said
+            .iter()
+            .map(|(limb, depth)| (*limb as u32, LimbDepth { depth: *depth, ..self.depth(*limb, frame) }))
+            .collect();
+        self.edit(texts::EDIT_ORDER, |session| {
+            said.iter().try_for_each(|(limb, depth)| session.set_depth(*limb, frame, *depth))
+        })
+    }
+
     pub(crate) fn remove_stroke(&mut self, limb: usize, frame: u64) -> Result<()> {
         self.edit(texts::EDIT_REMOVE_STROKE, |session| session.remove_stroke(limb as u32, frame))
     }
@@ -342,7 +395,15 @@ impl Document {
     /// Moves all that is drawn on a frame to another; what was drawn there is replaced.
     pub(crate) fn move_key(&mut self, from: u64, to: u64) -> Result<()> {
         let strokes: Vec<(usize, Stroke)> = self.strokes_on(from).map(|(limb, s)| (limb, s.clone())).collect();
+        let depths: Vec<(u32, LimbDepth)> = (0..self.limbs.len())
+            .map(|limb| (limb as u32, self.depth(limb, from)))
+            .filter(|(_, depth)| *depth != LimbDepth::default())
+            .collect();
         self.edit(texts::EDIT_MOVE_KEY, |session| {
+            for (limb, depth) in &depths {
+                session.set_depth(*limb, from, LimbDepth::default())?;
+                session.set_depth(*limb, to, *depth)?;
+            }
             for (limb, stroke) in &strokes {
                 session.remove_stroke(*limb as u32, from)?;
                 session.set_stroke(*limb as u32, to, &stroke.points, stroke.facing)?;
@@ -371,6 +432,39 @@ impl Document {
         self.set_parts(label, &[(Part::Notes, Some(&json))])
     }
 
+    /// For which picture of a character joints are marked, by its fingerprint.
+    pub(crate) fn marked_for(&self) -> Option<u64> {
+        self.notes().marked_for
+    }
+
+    /// Marks joints of the character with this picture, one step of undo.
+    pub(crate) fn set_joint_marks(&mut self, label: &str, marks: &[u8], picture: Option<u64>) -> Result<()> {
+        let json = serde_json::to_vec(&Notes { marked_for: picture, ..self.notes() }).unwrap_or_default();
+        self.set_parts(label, &[(Part::Points, Some(marks)), (Part::Notes, Some(&json))])
+    }
+
+    /// Of what the motion is that was followed and kept.
+    pub(crate) fn stamp(&self) -> Option<Stamp> {
+        self.notes().solved
+    }
+
+    /// Keeps where marked points go, as a part of the step that they were followed for. While something can be done again
+    /// it is not kept, for nothing could be done again after it.
+    pub(crate) fn keep_solved(&mut self, points: &Arc<Vec<u8>>, motion: &str) -> Result<()> {
+        let Some((_, clip)) = &self.clip else { return Ok(()) };
+        if self.part(Part::Points) != Some(points) || self.redo.is_some() {
+            return Ok(());
+        }
+        let notes = Notes { solved: Some(Stamp::new(points, clip)), ..self.notes() };
+        let json = serde_json::to_vec(&notes).unwrap_or_default();
+        let label = format!("{}{}", self.undo.as_deref().unwrap_or(texts::EDIT_OPEN), texts::EDIT_FOLLOWED);
+        // Nobody did anything.
+        let worked_on = self.worked_on;
+        let kept = self.set_parts(&label, &[(Part::Motion, Some(motion.as_bytes())), (Part::Notes, Some(&json))]);
+        self.worked_on = worked_on;
+        kept
+    }
+
     /// The bytes of a part.
     pub(crate) fn part(&self, part: Part) -> Option<&Arc<Vec<u8>>> {
         self.parts.get(&part)
@@ -384,6 +478,19 @@ impl Document {
     /// Sets parts, one step of undo.
     pub(crate) fn set_parts(&mut self, label: &str, parts: Parts<'_>) -> Result<()> {
         self.edit(label, |session| parts.iter().try_for_each(|(part, bytes)| session.set_part(*part, *bytes)))
+    }
+
+    /// Chooses the clip, or none, with parts that go with it; one step of undo.
+    pub(crate) fn set_clip(&mut self, label: &str, clip: Option<&Clip>, parts: Parts<'_>) -> Result<()> {
+        let there = self.state.has_clip;
+        // It is opened anew by whoever reads the session.
+        self.clip = None;
+        self.edit(label, |session| {
+            if clip.is_some() || there {
+                session.set_clip(clip)?;
+            }
+            parts.iter().try_for_each(|(part, bytes)| session.set_part(*part, *bytes))
+        })
     }
 
     /// Marks points otherwise, one step of undo.
@@ -486,8 +593,13 @@ impl Document {
         }
         self.keys = rig.key_frames()?;
         self.strokes.clear();
+        self.depths.clear();
         for frame in &self.keys {
             for limb in 0..self.limbs.len() {
+                let depth = rig.depth(limb as u32, *frame)?;
+                if depth != LimbDepth::default() {
+                    self.depths.insert((limb, *frame), depth);
+                }
                 if let Some(stroke) = rig.stroke(limb as u32, *frame)? {
                     self.strokes.insert((limb, *frame), stroke);
                 }

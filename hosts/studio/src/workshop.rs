@@ -1,6 +1,7 @@
 //! What the doors of characters and drawings have in common: the document, what runs, what plays, and the way out.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use eframe::egui::{Context as Gui, Frame, Margin, Panel, RichText, Slider, Ui};
 
@@ -54,6 +55,20 @@ impl Workshop {
             moving: None,
             pictures: MovingPictures::new(gui),
             document,
+        }
+    }
+
+    /// Another clip is shown from now on, where the document has another.
+    pub(crate) fn follow_clip(&mut self, gui: &Gui) {
+        let clip = self.document.clip.as_ref();
+        if self.frames.as_ref().map(Frames::clip).map(Arc::as_ptr) == clip.map(|(clip, _)| Arc::as_ptr(clip)) {
+            return;
+        }
+        self.frames = clip.map(|(clip, info)| Frames::new(gui, clip.clone(), info));
+        if let Some((_, info)) = clip.filter(|_| self.moving.is_none()) {
+            let held = self.playback.held;
+            self.playback = Playback::new(info.frames, info.fps, self.playback.looped);
+            self.playback.held = held;
         }
     }
 
