@@ -219,7 +219,7 @@ impl Studio {
                 (Ask::Picture, Screen::Start(_)) => self.open_source(Source::Picture(path), ui.ctx()),
                 (Ask::Clip | Ask::Session, _) => self.take_file(&path, None, ui.ctx()),
                 (Ask::Picture | Ask::Drawing | Ask::Motion | Ask::MotionClip, _) => {
-                    self.take_file(&path, Some(&ask), ui.ctx())
+                    self.take_file(&path, Some(&ask), ui.ctx());
                 }
                 (Ask::SaveAs { .. }, screen) => {
                     if let Some((document, _)) = screen.at_work() {

@@ -148,7 +148,8 @@ impl Canvas {
             overlaps::paint(&painter, placed, shown.overlaps, hovered);
             if let Some(overlap) = hovered.filter(|_| !self.drawing()) {
                 let label = |limb: usize| shown.document.limbs.get(limb).map_or("", |l| &l.label);
-                response.show_tooltip_text(texts::overlap(label(overlap.front), label(overlap.behind)));
+                let text = texts::overlap(label(overlap.front), label(overlap.behind));
+                response.clone().on_hover_text_at_pointer(text);
             }
         }
         done.extend(self.ask_order(&response, shown));
@@ -213,7 +214,7 @@ impl Canvas {
                 }
                 None => {
                     self.menu =
-                        limb_at(placed, shown, at).filter(|limb| overlaps::of(shown.overlaps, *limb).next().is_some())
+                        limb_at(placed, shown, at).filter(|limb| overlaps::of(shown.overlaps, *limb).next().is_some());
                 }
             }
         }

@@ -69,7 +69,7 @@ impl CharacterDoor {
     }
 
     /// Whether the marks are those of this figure's joints.
-    fn marks_are_own(&self) -> bool {
+    pub(crate) fn marks_are_own(&self) -> bool {
         let document = &self.shop.document;
         document.marks.points.is_empty() || document.marked_for() == self.picture()
     }
@@ -242,7 +242,7 @@ impl CharacterDoor {
                 let name = Some(name).filter(|name| !is_numbered(name));
                 Some(texts::mark_joint(next.unwrap_or(0), name, marked, joints))
             }
-            None if marked == 0 => Some(texts::SELECT_JOINT.into()),
+            None if numbers.is_empty() => Some(texts::SELECT_JOINT.into()),
             None => None,
         };
         let mut on_clip = self.on_clip;
@@ -256,7 +256,7 @@ impl CharacterDoor {
             Some(Asked::Mark(at)) => match next {
                 Some(number) => {
                     self.mark_joint(texts::EDIT_MARK, number, at, around);
-                    self.selected = self.next_joint(number).or(Some(number));
+                    self.selected = self.next_joint(number);
                 }
                 // A click beside a joint that is marked lets go of it, and goes on with what is not.
                 None => self.selected = self.next_joint(self.selected.unwrap_or(joints)),

@@ -14,17 +14,21 @@ use crate::background::Background;
 use crate::capture::OpeningClip;
 use crate::character_steps::{Figure, Made};
 use crate::clip_points::ClipPoints;
-use crate::document::{CharacterNotes, Document};
+use crate::document::Document;
 use crate::filling::{Filling as _, Steps};
 use crate::handles::Hand;
 use crate::looking::Looking;
 use crate::moving::{Moving, MovingPictures};
+use crate::notes::CharacterNotes;
 use crate::picker::Ask;
 use crate::shortcuts::{self, Command};
 use crate::solved::Solved;
 use crate::theme::{self, Palette};
 use crate::workshop::Workshop;
 use crate::{sample, texts, timeline, widgets};
+
+/// The bytes of a part.
+type Bytes = Arc<Vec<u8>>;
 
 pub(crate) struct CharacterDoor {
     pub(crate) shop: Workshop,
@@ -41,9 +45,9 @@ pub(crate) struct CharacterDoor {
     pub(crate) opening: Option<OpeningClip>,
     /// Where the marks go, and the motion that was captured of which marks.
     pub(crate) solved: Option<Solved>,
-    pub(crate) captured: Option<(Arc<Vec<u8>>, Arc<Vec<u8>>)>,
+    pub(crate) captured: Option<(Bytes, Bytes)>,
     /// The picture as a file, and what it is of.
-    pub(crate) file: Option<(Arc<Vec<u8>>, tempfile::NamedTempFile)>,
+    pub(crate) file: Option<(Bytes, tempfile::NamedTempFile)>,
     pub(crate) figure: Option<Figure>,
     pub(crate) still: Option<Moving>,
     pub(crate) still_pictures: MovingPictures,
@@ -247,7 +251,14 @@ impl CharacterDoor {
         }
         if self.shop.document.clip.is_some() {
             let (marked, joints) = self.marked();
-            widgets::remark(ui, &*texts::marked_joints(marked, joints));
+            widgets::remark(
+                ui,
+                if self.marks_are_own() {
+                    texts::marked_joints(marked, joints)
+                } else {
+                    texts::MARKS_OF_ANOTHER.into()
+                },
+            );
         }
         if self.motion().is_some() {
             ui.add_space(theme::GAP);

@@ -11,9 +11,9 @@ use marey_binding::{Character, CharacterOptions, Job, Part, Result, RetargetOpti
 use crate::around::Around;
 use crate::capture;
 use crate::character_door::CharacterDoor;
-use crate::document::CharacterNotes;
 use crate::filling::{Filling, Steps};
 use crate::moving::{Moving, one_frame};
+use crate::notes::CharacterNotes;
 use crate::running::Step;
 use crate::solved::Solved;
 use crate::texts;

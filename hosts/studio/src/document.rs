@@ -16,6 +16,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::brush::Painted;
 use crate::marks::Marks;
+use crate::notes::Notes;
 use crate::overlaps::Said;
 use crate::solved::Stamp;
 use crate::texts;
@@ -28,45 +29,6 @@ pub(crate) enum Door {
     Creature,
     Character,
     Drawing,
-}
-
-/// The session's notes: which door it is behind, and how a motion is carried over to a character.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default)]
-struct Notes {
-    door: Door,
-    character: CharacterNotes,
-    /// On which picture a character's joints are those that are marked on the clip.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    marked_for: Option<u64>,
-    /// Of what the motion is that was followed.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    solved: Option<Stamp>,
-}
-
-impl Default for Notes {
-    fn default() -> Self {
-        Self { door: Door::Creature, character: CharacterNotes::default(), marked_for: None, solved: None }
-    }
-}
-
-/// How a motion is carried over to a character.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default)]
-pub(crate) struct CharacterNotes {
-    /// Bones change their length up to this factor.
-    pub(crate) stretch: f32,
-    /// It stays where it is.
-    pub(crate) on_spot: bool,
-    /// Bones point where the motion's do, rather than turn as they do.
-    pub(crate) absolute: bool,
-}
-
-impl Default for CharacterNotes {
-    fn default() -> Self {
-        // A figure of other proportions tears at more, and looks stiff at none.
-        Self { stretch: 1.2, on_spot: true, absolute: false }
-    }
 }
 
 /// Parts with their bytes, or none to take one away.
@@ -131,7 +93,7 @@ pub(crate) struct Document {
     pub(crate) redo: Option<String>,
     /// The ids of the plugins that track and segment; empty for what is built in.
     methods: [String; 2],
-    worked_on: bool,
+    pub(crate) worked_on: bool,
 }
 
 impl Document {
@@ -410,59 +372,6 @@ impl Document {
             }
             Ok(())
         })
-    }
-
-    /// What is made of it.
-    pub(crate) fn door(&self) -> Door {
-        self.notes().door
-    }
-
-    fn notes(&self) -> Notes {
-        self.part(Part::Notes).and_then(|notes| serde_json::from_slice(notes).ok()).unwrap_or_default()
-    }
-
-    /// How a motion is carried over.
-    pub(crate) fn character_notes(&self) -> CharacterNotes {
-        self.notes().character
-    }
-
-    pub(crate) fn set_character_notes(&mut self, label: &str, character: &CharacterNotes) -> Result<()> {
-        let notes = Notes { character: character.clone(), ..self.notes() };
-        let json = serde_json::to_vec(&notes).unwrap_or_default();
-        self.set_parts(label, &[(Part::Notes, Some(&json))])
-    }
-
-    /// For which picture of a character joints are marked, by its fingerprint.
-    pub(crate) fn marked_for(&self) -> Option<u64> {
-        self.notes().marked_for
-    }
-
-    /// Marks joints of the character with this picture, one step of undo.
-    pub(crate) fn set_joint_marks(&mut self, label: &str, marks: &[u8], picture: Option<u64>) -> Result<()> {
-        let json = serde_json::to_vec(&Notes { marked_for: picture, ..self.notes() }).unwrap_or_default();
-        self.set_parts(label, &[(Part::Points, Some(marks)), (Part::Notes, Some(&json))])
-    }
-
-    /// Of what the motion is that was followed and kept.
-    pub(crate) fn stamp(&self) -> Option<Stamp> {
-        self.notes().solved
-    }
-
-    /// Keeps where marked points go, as a part of the step that they were followed for. While something can be done again
-    /// it is not kept, for nothing could be done again after it.
-    pub(crate) fn keep_solved(&mut self, points: &Arc<Vec<u8>>, motion: &str) -> Result<()> {
-        let Some((_, clip)) = &self.clip else { return Ok(()) };
-        if self.part(Part::Points) != Some(points) || self.redo.is_some() {
-            return Ok(());
-        }
-        let notes = Notes { solved: Some(Stamp::new(points, clip)), ..self.notes() };
-        let json = serde_json::to_vec(&notes).unwrap_or_default();
-        let label = format!("{}{}", self.undo.as_deref().unwrap_or(texts::EDIT_OPEN), texts::EDIT_FOLLOWED);
-        // Nobody did anything.
-        let worked_on = self.worked_on;
-        let kept = self.set_parts(&label, &[(Part::Motion, Some(motion.as_bytes())), (Part::Notes, Some(&json))]);
-        self.worked_on = worked_on;
-        kept
     }
 
     /// The bytes of a part.

@@ -37,6 +37,7 @@ mod looking;
 mod marks;
 mod methods;
 mod moving;
+mod notes;
 mod notices;
 mod onion;
 mod opening;

@@ -282,7 +282,7 @@ pub(crate) fn of(overlaps: &[Overlap], limb: usize) -> impl Iterator<Item = (boo
 }
 
 /// The overlap whose mark is at a place of the screen.
-pub(crate) fn at<'a>(overlaps: &'a [Overlap], placed: Placement, at: Pos2) -> Option<&'a Overlap> {
+pub(crate) fn at(overlaps: &[Overlap], placed: Placement, at: Pos2) -> Option<&Overlap> {
     let far = |o: &&Overlap| placed.to_screen(o.at).distance(at);
     overlaps.iter().filter(|o| far(o) <= NEAR).min_by(|a, b| far(a).total_cmp(&far(b)))
 }

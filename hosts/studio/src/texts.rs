@@ -176,6 +176,8 @@ pub(crate) const SOFT: &str = "soft";
 pub(crate) const STIFF: &str = "stiff";
 pub(crate) const MOVE_FIRST: &str = "Nothing moves yet. Go through the steps on the left first.";
 
+pub(crate) const ALL_FOLLOWED: &str = "Every point is followed.";
+
 // A character that moves.
 pub(crate) const PICTURE: &str = "PICTURE";
 pub(crate) const OTHER_PICTURE: &str = "Another picture…";
@@ -194,6 +196,7 @@ pub(crate) const ON_CLIP: &str = "Clip";
 pub(crate) const MARK_JOINTS: &str =
     "Click on the clip where each joint is: the one that is to be next is bright on the drawing.";
 pub(crate) const NEXT_MARK_JOINTS: &str = "Next: mark joints";
+pub(crate) const MARKS_OF_ANOTHER: &str = "The joints of another drawing were marked on the clip. This one takes the same motion. Select a joint to say what it follows.";
 pub(crate) const SELECT_JOINT: &str = "Select a joint on the drawing, and click where it is on the clip.";
 pub(crate) const CARRIED: &str = "HOW IT FOLLOWS";
 pub(crate) const ABSOLUTE: &str = "Limbs point as the motion's do";
@@ -622,6 +625,7 @@ pub(crate) fn percent(fraction: f64) -> String {
 pub(crate) fn stage(stage: &str) -> &str {
     match stage {
         "" | "waiting" => "Waiting for its turn",
+        "reading" => "Reading the clip",
         "tracking" => "Following the limbs",
         "segmenting" => "Cutting it out",
         "reconstructing" | "fitting" => "Building the body",
