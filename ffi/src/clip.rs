@@ -339,3 +339,41 @@ pub unsafe extern "C" fn mry_clip_read_frame(
         Ok(Code::MRY_OK)
     })
 }
+
+/// Decodes how opaque one frame is, 8 bits a pixel, 255 for what hides all behind it, rows from the top.
+///
+/// @param context       The context.
+/// @param clip          The clip.
+/// @param frame         Which, counted from 0.
+/// @param pixels        Where the rows go: width bytes each.
+/// @param capacity      Bytes at pixels: at least stride_bytes * (height - 1) + width.
+/// @param stride_bytes  From one row's start to the next's; 0 for rows without gaps. Bytes in gaps are left alone.
+/// @param err           Detail of a failure, or NULL.
+/// @return MRY_OK; MRY_E_ARGUMENT (frame, stride_bytes), MRY_E_BUFFER_TOO_SMALL, MRY_E_INPUT (a broken frame),
+///         MRY_E_IO.
+/// Thread: [any-thread]. Since 0.1.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mry_clip_read_alpha(
+    context: *mut mry_context,
+    clip: mry_clip,
+    frame: u64,
+    pixels: *mut u8,
+    capacity: usize,
+    stride_bytes: usize,
+    err: *mut mry_error,
+) -> mry_status {
+    entry!(context, err, |call| {
+        let rows = Rows::new(pixels, capacity, stride_bytes, "pixels")?;
+        let clip = call.clip(clip, "clip")?;
+        let info = clip.info();
+        let row_bytes = info.width as usize;
+        let frame = frame_index(frame, info.frames)?;
+        rows.fits(row_bytes, info.height as usize)?;
+        let picture = clip.frame(frame).map_err(|e| Failure::from(e).about("clip"))?;
+        match &picture.alpha {
+            Some(alpha) => rows.write(alpha.as_raw(), row_bytes)?,
+            None => rows.write(&vec![255; row_bytes * info.height as usize], row_bytes)?,
+        }
+        Ok(Code::MRY_OK)
+    })
+}

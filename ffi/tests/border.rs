@@ -333,6 +333,7 @@ const CALLS: &[(&str, Has, Run)] = calls! {
     IdAndOut mry_clip_get_time(c, i, o, e, p) => [i.clip, 1, o.at()];
     IdAndOut mry_clip_get_warning(c, i, o, e, p) => [i.clip, 0, o.at(), 4096, o.at()];
     IdAndOut mry_clip_read_frame(c, i, o, e, p) => [i.clip, 0, o.at::<[u8; 8]>().cast(), 4096 * 8, 0];
+    IdAndOut mry_clip_read_alpha(c, i, o, e, p) => [i.clip, 0, o.at::<[u8; 8]>().cast(), 4096 * 8, 0];
     Out mry_rig_create(c, i, o, e, p) => [9, 9, o.at()];
     Out mry_rig_read(c, i, o, e, p) => [str(p), o.at()];
     Out mry_rig_from_json(c, i, o, e, p) => [str(STROKES), o.at()];
@@ -975,6 +976,8 @@ fn numbers_that_are_none_and_values_out_of_range_are_refused() {
         assert_eq!(mry_clip_read_frame(c, i.clip, 0, p, n, 0, &mut err), code(MRY_E_BUFFER_TOO_SMALL));
         assert_eq!(mry_clip_read_frame(c, i.clip, 0, p, n, 5, &mut err), code(MRY_E_ARGUMENT), "a stride below a row");
         assert_eq!(mry_clip_read_frame(c, i.clip, 0, p, n, usize::MAX / 2, &mut err), code(MRY_E_ARGUMENT));
+        assert_eq!(mry_clip_read_alpha(c, i.clip, FRAMES, p, n, 0, &mut err), code(MRY_E_ARGUMENT));
+        assert_eq!(mry_clip_read_alpha(c, i.clip, 0, p, n, 0, &mut err), code(MRY_E_BUFFER_TOO_SMALL));
         assert!(pixels.iter().all(|b| *b == 0));
         let glb = f.path("x.glb");
         for (scale, expected) in [(f32::NAN, MRY_E_NON_FINITE), (-1.0, MRY_E_ARGUMENT)] {

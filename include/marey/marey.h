@@ -2530,6 +2530,29 @@ mry_status mry_clip_read_frame(mry_context *context,
                                size_t stride_bytes,
                                mry_error *err);
 
+/**
+ * Decodes how opaque one frame is, 8 bits a pixel, 255 for what hides all behind it, rows from the top.
+ *
+ * @param context       The context.
+ * @param clip          The clip.
+ * @param frame         Which, counted from 0.
+ * @param pixels        Where the rows go: width bytes each.
+ * @param capacity      Bytes at pixels: at least stride_bytes * (height - 1) + width.
+ * @param stride_bytes  From one row's start to the next's; 0 for rows without gaps. Bytes in gaps are left alone.
+ * @param err           Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_ARGUMENT (frame, stride_bytes), MRY_E_BUFFER_TOO_SMALL, MRY_E_INPUT (a broken frame),
+ *         MRY_E_IO.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_clip_read_alpha(mry_context *context,
+                               mry_clip clip,
+                               uint64_t frame,
+                               uint8_t *pixels,
+                               size_t capacity,
+                               size_t stride_bytes,
+                               mry_error *err);
+
 /** @} */
 
 /**

@@ -265,6 +265,19 @@ public:
       return mry_clip_get_warning(c(), id_, index, text, capacity, size, err);
     });
   }
+  /** How opaque a frame is, a byte a pixel, rows from the top without gaps; 255 for what hides all behind it. */
+  result<std::vector<std::uint8_t>> alpha(std::uint64_t frame) const {
+    mry_clip_info info = MRY_CLIP_INFO_INIT;
+    std::vector<std::uint8_t> out;
+    return detail::perform(
+      [&](mry_error *err) {
+        mry_status status = mry_clip_get_info(c(), id_, &info, err);
+        if (status != MRY_OK) return status;
+        out.resize(static_cast<std::size_t>(info.width) * info.height);
+        return mry_clip_read_alpha(c(), id_, frame, out.data(), out.size(), 0, err);
+      },
+      [&] { return std::move(out); });
+  }
   /** A decoded frame, without a copy. */
   result<image_map> map_frame(std::uint64_t frame) const {
     mry_image_view view = MRY_IMAGE_VIEW_INIT;

@@ -192,11 +192,12 @@ static mry_status use_clip(soak *s) {
   double seconds = 0;
   size_t count = 0;
   mry_status status;
-  switch (below(s, 6)) {
+  switch (below(s, 7)) {
     case 0: SIZED(mry_clip_info, &info); return mry_clip_get_info(s->context, clip, &info, ERR);
     case 1: return mry_clip_get_time(s->context, clip, frame(s), &seconds, ERR);
     case 2: return mry_clip_get_warning(s->context, clip, number(s, 2), out(s), room(s, 1), &count, ERR);
     case 3: return mry_clip_read_frame(s->context, clip, frame(s), out(s), room(s, 1), number(s, 999), ERR);
+    case 5: return mry_clip_read_alpha(s->context, clip, frame(s), out(s), room(s, 1), number(s, 999), ERR);
     case 4:
       SIZED(mry_image_view, &view);
       status = mry_clip_map_frame(s->context, clip, frame(s), &view, ERR);

@@ -50,6 +50,14 @@ impl Clip {
         sys::clip_frame(&self.context.0, self.id, frame, &mut pixels)?;
         Ok(pixels)
     }
+
+    /// How opaque one frame is, a byte a pixel, 255 for what hides all behind it.
+    pub fn alpha(&self, frame: u64) -> Result<Vec<u8>> {
+        let info = sys::clip_info(&self.context.0, self.id)?;
+        let mut pixels = vec![0; info.width as usize * info.height as usize];
+        sys::clip_alpha(&self.context.0, self.id, frame, &mut pixels)?;
+        Ok(pixels)
+    }
 }
 
 impl Drop for Clip {

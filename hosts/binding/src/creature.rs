@@ -1,5 +1,7 @@
 //! Creatures: a textured mesh on animated bones.
 
+use std::ops::Range;
+
 use marey_ffi::mry_creature;
 
 use crate::{Context, Job, Masks, Motion, Result, sys};
@@ -37,6 +39,10 @@ pub struct CreatureLimb {
     pub length: f32,
     /// Its mean radius, in pixels of the clip.
     pub radius: f32,
+    /// The limb it hangs from; none for one that holds a root.
+    pub parent: Option<u32>,
+    /// Its bones, evenly along its stroke, from the end nearer to the root outward.
+    pub bones: Range<u32>,
 }
 
 impl Creature {
@@ -56,7 +62,29 @@ impl Creature {
     /// A limb's label and how long and thick it is.
     pub fn limb(&self, limb: u32) -> Result<CreatureLimb> {
         let (label, info) = sys::creature_limb(&self.context.0, self.id, limb)?;
-        Ok(CreatureLimb { label, length: info.length, radius: info.radius })
+        Ok(CreatureLimb {
+            label,
+            length: info.length,
+            radius: info.radius,
+            parent: u32::try_from(info.parent).ok(),
+            bones: info.first_bone..info.first_bone + info.bone_count,
+        })
+    }
+
+    /// Where its bones begin in a frame, in world units: x right, y up, z toward the viewer.
+    pub fn bone_places(&self, frame: u64) -> Result<Vec<[f32; 3]>> {
+        let pose = sys::creature_pose(&self.context.0, self.id, frame)?;
+        let mut world: Vec<([f32; 3], [f32; 4])> = Vec::with_capacity(pose.len());
+        for (bone, own) in (0..).zip(&pose) {
+            let parent = sys::creature_bone_parent(&self.context.0, self.id, bone)?;
+            // Parents come before children.
+            let above = usize::try_from(parent).ok().and_then(|parent| world.get(parent).copied());
+            let (at, turn) = above.unwrap_or(([0.0; 3], [0.0, 0.0, 0.0, 1.0]));
+            let moved = turned(turn, own.translation);
+            let place = [at[0] + moved[0], at[1] + moved[1], at[2] + moved[2]];
+            world.push((place, after(turn, own.rotation)));
+        }
+        Ok(world.into_iter().map(|bone| bone.0).collect())
     }
 
     /// The motion that drives it.
@@ -83,6 +111,29 @@ impl Creature {
     pub fn write_folder(&self, folder: &str, write_obj: bool, scale: f32) -> Result<()> {
         sys::creature_write_folder(&self.context.0, self.id, folder, write_obj, scale)
     }
+}
+
+fn cross(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+/// A vector turned by the unit quaternion x, y, z, w: v + 2 q x (q x v + w v).
+fn turned([x, y, z, w]: [f32; 4], v: [f32; 3]) -> [f32; 3] {
+    let q = [x, y, z];
+    let inner = cross(q, v);
+    let outer = cross(q, [inner[0] + w * v[0], inner[1] + w * v[1], inner[2] + w * v[2]]);
+    [v[0] + 2.0 * outer[0], v[1] + 2.0 * outer[1], v[2] + 2.0 * outer[2]]
+}
+
+/// The turn that turns by `inner` first and then by `outer`.
+fn after(outer: [f32; 4], inner: [f32; 4]) -> [f32; 4] {
+    let ([ax, ay, az, aw], [bx, by, bz, bw]) = (outer, inner);
+    [
+        aw * bx + ax * bw + ay * bz - az * by,
+        aw * by - ax * bz + ay * bw + az * bx,
+        aw * bz + ax * by - ay * bx + az * bw,
+        aw * bw - ax * bx - ay * by - az * bz,
+    ]
 }
 
 /// What is written of a creature.

@@ -64,7 +64,7 @@ pub use plugin::{Plugin, PluginKind, PluginOptions, PluginParameter, PluginParam
 pub use print::{PrintOptions, PrintSize, Solid, SolidInfo, SolidMesh};
 pub use render::{Adapter, Camera, RenderFileOptions, RenderOptions, Style};
 pub use retiming::RetimeOptions;
-pub use rig::{Facing, Limb, Rig, Side, Stroke};
+pub use rig::{Facing, Limb, LimbDepth, Rig, Side, Stroke};
 pub use session::{Access, Part, Session, SessionState};
 pub use sketch::{
     BindOptions, Binding, BindingInfo, BoundPoint, MotionUse, PathElement, SketchFileOptions, SketchTake,

@@ -1,8 +1,8 @@
 //! Rigs: what a person draws on a clip.
 
 use marey_ffi::{
-    MRY_FACING_AWAY, MRY_FACING_TOWARD, MRY_FACING_UNKNOWN, MRY_SIDE_FAR, MRY_SIDE_MID, MRY_SIDE_NEAR,
-    MRY_SIDE_UNKNOWN, mry_clip, mry_point, mry_rig,
+    MRY_FACING_AWAY, MRY_FACING_TOWARD, MRY_FACING_UNKNOWN, MRY_SAID_BEND, MRY_SAID_DEPTH, MRY_SIDE_FAR, MRY_SIDE_MID,
+    MRY_SIDE_NEAR, MRY_SIDE_UNKNOWN, mry_clip, mry_point, mry_rig,
 };
 
 use crate::session::found;
@@ -55,6 +55,29 @@ pub struct Stroke {
     pub points: Vec<(f32, f32)>,
     /// Whether it leaves the image plane.
     pub facing: Facing,
+}
+
+/// Where a limb is in depth on a frame, as far as it is said. It holds there and fades toward the limb's key frames around.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct LimbDepth {
+    /// How far its free part stands from where it would, in clip pixels toward the viewer.
+    pub depth: Option<f32>,
+    /// How far its free end stands from where it is held, in clip pixels toward the viewer.
+    pub bend: Option<f32>,
+}
+
+impl LimbDepth {
+    pub(crate) fn of((said, depth, bend): (u32, f32, f32)) -> Self {
+        let of = |bit: u32, value: f32| (said & bit != 0).then_some(value);
+        Self { depth: of(MRY_SAID_DEPTH, depth), bend: of(MRY_SAID_BEND, bend) }
+    }
+
+    /// What is said, the depth and the bend.
+    pub(crate) fn code(self) -> (u32, f32, f32) {
+        let bit = |value: Option<f32>, bit: u32| value.map_or(0, |_| bit);
+        let said = bit(self.depth, MRY_SAID_DEPTH) | bit(self.bend, MRY_SAID_BEND);
+        (said, self.depth.unwrap_or(0.0), self.bend.unwrap_or(0.0))
+    }
 }
 
 impl Side {
@@ -125,6 +148,16 @@ impl Rig {
     /// Takes a limb's stroke off a frame.
     pub fn remove_stroke(&self, limb: u32, frame: u64) -> Result<()> {
         sys::rig_remove_stroke(&self.context.0, self.id, limb, frame)
+    }
+
+    /// Says where a limb is in depth on a frame; with nothing said, takes back what was. It need not be drawn there.
+    pub fn set_depth(&self, limb: u32, frame: u64, depth: LimbDepth) -> Result<()> {
+        sys::rig_set_depth(&self.context.0, self.id, (limb, frame), depth.code())
+    }
+
+    /// What is said of a limb's depth on a frame.
+    pub fn depth(&self, limb: u32, frame: u64) -> Result<LimbDepth> {
+        sys::rig_depth(&self.context.0, self.id, limb, frame).map(LimbDepth::of)
     }
 
     /// Its limbs, by index.

@@ -8,7 +8,7 @@ use marey_ffi::{
     MRY_PART_POINTS, MRY_PART_SKELETON, mry_clip, mry_motion, mry_point, mry_session, mry_status_code as Code,
 };
 
-use crate::{Clip, Context, Error, Facing, Job, Motion, Result, Rig, Side, sys};
+use crate::{Clip, Context, Error, Facing, Job, LimbDepth, Motion, Result, Rig, Side, sys};
 
 /// A document with unlimited undo. An edit of a session with a file is on the disk before the call returns.
 ///
@@ -295,6 +295,11 @@ impl Session {
     /// Draws a limb on a frame, in clip pixels, instead of what was drawn of it there before.
     pub fn set_stroke(&self, limb: u32, frame: u64, points: &[(f32, f32)], facing: Facing) -> Result<()> {
         sys::session_set_stroke(&self.context.0, self.id, (limb, frame), &points_of(points), facing.code())
+    }
+
+    /// Says where a limb is in depth on a frame; with nothing said, takes back what was. It need not be drawn there.
+    pub fn set_depth(&self, limb: u32, frame: u64, depth: LimbDepth) -> Result<()> {
+        sys::session_set_depth(&self.context.0, self.id, (limb, frame), depth.code())
     }
 
     /// Takes a limb's stroke off a frame.

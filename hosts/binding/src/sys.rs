@@ -190,6 +190,10 @@ pub(crate) fn clip_frame(handle: &Handle, clip: mry_clip, frame: u64, pixels: &m
     call!(mry_clip_read_frame(handle, clip, frame, pixels.as_mut_ptr(), pixels.len(), 0)).map(drop)
 }
 
+pub(crate) fn clip_alpha(handle: &Handle, clip: mry_clip, frame: u64, pixels: &mut [u8]) -> Result<()> {
+    call!(mry_clip_read_alpha(handle, clip, frame, pixels.as_mut_ptr(), pixels.len(), 0)).map(drop)
+}
+
 pub(crate) fn rig_create(handle: &Handle, width: u32, height: u32) -> Result<mry_rig> {
     let mut rig = mry_rig::default();
     call!(mry_rig_create(handle, width, height, &mut rig))?;
@@ -239,6 +243,22 @@ pub(crate) fn rig_set_stroke(
 
 pub(crate) fn rig_remove_stroke(handle: &Handle, rig: mry_rig, limb: u32, frame: u64) -> Result<()> {
     call!(mry_rig_remove_stroke(handle, rig, limb, frame)).map(drop)
+}
+
+pub(crate) fn rig_set_depth(
+    handle: &Handle,
+    rig: mry_rig,
+    (limb, frame): (u32, u64),
+    (said, depth, bend): (u32, f32, f32),
+) -> Result<()> {
+    call!(mry_rig_set_depth(handle, rig, limb, frame, said, depth, bend)).map(drop)
+}
+
+/// What is said, and the depth and the bend.
+pub(crate) fn rig_depth(handle: &Handle, rig: mry_rig, limb: u32, frame: u64) -> Result<(u32, f32, f32)> {
+    let (mut said, mut depth, mut bend) = (0, 0.0, 0.0);
+    call!(mry_rig_get_depth(handle, rig, limb, frame, &mut said, &mut depth, &mut bend))?;
+    Ok((said, depth, bend))
 }
 
 pub(crate) fn rig_limb_count(handle: &Handle, rig: mry_rig) -> Result<u32> {
@@ -507,6 +527,19 @@ pub(crate) fn creature_open(handle: &Handle, path: &str) -> Result<mry_creature>
     let mut creature = mry_creature::default();
     call!(mry_creature_open(handle, str(path), &mut creature))?;
     Ok(creature)
+}
+
+/// A bone's parent, or -1.
+pub(crate) fn creature_bone_parent(handle: &Handle, creature: mry_creature, bone: u32) -> Result<i32> {
+    let mut parent = -1;
+    sized_text(|name, capacity, size| {
+        call!(mry_creature_get_bone(handle, creature, bone, name, capacity, size, &mut parent))
+    })?;
+    Ok(parent)
+}
+
+pub(crate) fn creature_pose(handle: &Handle, creature: mry_creature, frame: u64) -> Result<Vec<mry_transform>> {
+    sized_list(|bones, capacity, count| call!(mry_creature_read_pose(handle, creature, frame, bones, capacity, count)))
 }
 
 pub(crate) fn creature_limb(handle: &Handle, creature: mry_creature, limb: u32) -> Result<(String, mry_creature_limb)> {

@@ -218,7 +218,9 @@ impl Studio {
                 (Ask::DrawingClip, _) => self.open_source(Source::DrawingClip(path), ui.ctx()),
                 (Ask::Picture, Screen::Start(_)) => self.open_source(Source::Picture(path), ui.ctx()),
                 (Ask::Clip | Ask::Session, _) => self.take_file(&path, None, ui.ctx()),
-                (Ask::Picture | Ask::Drawing | Ask::Motion, _) => self.take_file(&path, Some(&ask), ui.ctx()),
+                (Ask::Picture | Ask::Drawing | Ask::Motion | Ask::MotionClip, _) => {
+                    self.take_file(&path, Some(&ask), ui.ctx());
+                }
                 (Ask::SaveAs { .. }, screen) => {
                     if let Some((document, _)) = screen.at_work() {
                         document.save_under(&path, &mut self.around);
@@ -412,7 +414,11 @@ impl Open<'_> {
 
     /// Where the marked points are in the frame that is shown: marked there, or followed to it.
     pub fn points(&self) -> Vec<(f32, f32)> {
-        if let Screen::Drawing(door) = self.0 { door.points() } else { Vec::new() }
+        match self.0 {
+            Screen::Drawing(door) => door.points(),
+            Screen::Character(door) => door.points().into_iter().map(|(_, at)| at).collect(),
+            _ => Vec::new(),
+        }
     }
 
     /// The character's joints.
@@ -471,6 +477,21 @@ impl Open<'_> {
         self.creature().is_some_and(CreatureDoor::has_creature)
     }
 
+    /// Where limbs lie over each other in the frame that is shown: the one in front, the one behind, and the place.
+    pub fn overlaps(&self) -> Vec<(usize, usize, (f32, f32))> {
+        let overlaps = self.creature().map_or(&[][..], |door| &door.overlaps);
+        overlaps.iter().map(|o| (o.front, o.behind, o.at)).collect()
+    }
+
+    /// How many times marked points were followed since it was opened.
+    pub fn followed(&self) -> u64 {
+        match self.0 {
+            Screen::Character(door) => door.steps.followed,
+            Screen::Drawing(door) => door.steps.followed,
+            _ => 0,
+        }
+    }
+
     /// Whether a character or a drawing moves.
     pub fn moves(&self) -> bool {
         match self.0 {
@@ -511,6 +532,11 @@ impl Open<'_> {
             Screen::Drawing(door) => door.on_screen(at),
             Screen::Start(_) | Screen::Opening(_) => egui::Pos2::ZERO,
         }
+    }
+
+    /// Where a place of the clip that a character's motion is taken from is on the screen.
+    pub fn on_clip(&self, at: (f32, f32)) -> egui::Pos2 {
+        if let Screen::Character(door) = self.0 { door.on_clip(at) } else { egui::Pos2::ZERO }
     }
 
     /// Where a place of the drawing is on the screen.

@@ -1,8 +1,8 @@
 //! The clip with what is drawn on it: strokes by the pen, zoom at the cursor, pan by Space or the middle button.
 
 use eframe::egui::{
-    Color32, CursorIcon, DragValue, Event, Key, Painter, PointerButton, Popup, Pos2, Rect, Response, Role, Sense,
-    Stroke, Ui, Vec2, WidgetInfo, pos2, vec2,
+    Color32, DragValue, Event, Key, Painter, PointerButton, Popup, Pos2, Rect, Response, Role, Sense, SetOpenCommand,
+    Stroke, Ui, WidgetInfo, pos2, vec2,
 };
 use marey_binding::Masks;
 
@@ -10,12 +10,14 @@ use crate::brush::{self, Brush, Painted, RADII, Tool};
 use crate::document::Document;
 use crate::frames::Frames;
 use crate::icons::Icon;
+use crate::looking::{Looking, WHOLE};
 use crate::onion::Onion;
+use crate::overlaps::{self, Overlap};
 use crate::overlay::{self, MaskPicture, Overlays};
 use crate::shortcuts::Command;
 use crate::theme::{self, Palette};
-use crate::view::{Placement, View};
-use crate::{shortcuts, texts, widgets};
+use crate::view::Placement;
+use crate::{looking, shortcuts, texts, widgets};
 
 /// A stroke that begins or ends so near to another's end is meant to meet it, in points of the screen.
 const MEET: f32 = 12.0;
@@ -23,6 +25,8 @@ const MEET: f32 = 12.0;
 const NEAR: f32 = 10.0;
 /// Places of a stroke are so far apart, in points of the screen: finer than a hand is.
 const STEP: f32 = 2.0;
+/// What a key makes the brush wider or narrower by.
+const RESIZE: f32 = 1.25;
 /// The edges of a panel are taken hold of so far inside of it.
 const EDGE: f32 = 5.0;
 /// A shorter stroke is a click that slipped.
@@ -41,17 +45,21 @@ pub(crate) enum Done {
     Selected(Option<usize>),
     /// Clicked on a stroke's end, to say how it lies to the camera.
     Turned(usize),
+    /// Said that a limb is in front of another, or behind it.
+    Ordered { limb: usize, before: bool, other: usize },
+    /// Takes back what was said of a limb's depth on the frame.
+    Unordered(usize),
 }
 
 pub(crate) struct Canvas {
-    pub(crate) view: View,
+    pub(crate) looking: Looking,
     pub(crate) overlays: Overlays,
     /// The stroke in the making, in clip pixels.
     stroke: Option<Vec<(f32, f32)>>,
-    /// Space was held to pan with, so that letting it go does not play.
-    panned: bool,
     mask: MaskPicture,
     brush: Brush,
+    /// The limb that the open menu is of.
+    menu: Option<usize>,
     /// Where the tools lie.
     tools: Rect,
 }
@@ -59,12 +67,12 @@ pub(crate) struct Canvas {
 impl Default for Canvas {
     fn default() -> Self {
         Self {
-            view: View::default(),
+            looking: Looking::default(),
             overlays: Overlays::default(),
             stroke: None,
-            panned: false,
             mask: MaskPicture::default(),
             brush: Brush::default(),
+            menu: None,
             tools: Rect::NOTHING,
         }
     }
@@ -77,6 +85,8 @@ pub(crate) struct Shown<'a> {
     pub(crate) masks: Option<&'a Masks>,
     pub(crate) frame: u64,
     pub(crate) selected: Option<usize>,
+    /// Where limbs lie over each other; none while it plays.
+    pub(crate) overlaps: &'a [Overlap],
     pub(crate) onion: Onion,
     /// Whether the first frame comes after the last.
     pub(crate) looped: bool,
@@ -112,15 +122,16 @@ impl Canvas {
         let name = texts::canvas_name(shown.frame, info.frames);
         response.widget_info(|| WidgetInfo::labeled(Role::Canvas, true, &name));
 
-        self.look_around(ui, &response, size);
-        let placed = self.view.place(panel, size);
+        let placed = self.looking.show(ui, &response, size);
         let mut done = self.hand(ui, &response, placed, shown);
 
         let picture = placed.picture(size);
-        let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
         match shown.frames.and_then(Frames::picture) {
             Some(texture) => {
-                painter.image(texture.id(), picture, whole, Color32::WHITE);
+                if shown.frames.is_some_and(|frames| frames.see_through) {
+                    looking::checkers(&painter, picture, ui.visuals().dark_mode);
+                }
+                painter.image(texture.id(), picture, WHOLE, Color32::WHITE);
             }
             None => {
                 painter.rect_filled(picture, 0.0, palette.raised);
@@ -132,6 +143,16 @@ impl Canvas {
             let _ = self.mask.show(ui.ctx(), &painter, picture, masks, size, shown.frame);
         }
         self.overlay(&painter, placed, shown);
+        if self.overlaps_shown() {
+            let hovered = response.hover_pos().and_then(|at| overlaps::at(shown.overlaps, placed, at));
+            overlaps::paint(&painter, placed, shown.overlaps, hovered);
+            if let Some(overlap) = hovered.filter(|_| !self.drawing()) {
+                let label = |limb: usize| shown.document.limbs.get(limb).map_or("", |l| &l.label);
+                let text = texts::overlap(label(overlap.front), label(overlap.behind));
+                response.clone().on_hover_text_at_pointer(text);
+            }
+        }
+        done.extend(self.ask_order(&response, shown));
         self.pen(&painter, &response, placed, shown);
         if self.toolbar(ui, panel, shown) {
             done.push(Done::RemovePaint);
@@ -142,32 +163,6 @@ impl Canvas {
             hint(&painter, panel, texts::DRAW_HINT);
         }
         done
-    }
-
-    /// Zoom and pan.
-    fn look_around(&mut self, ui: &Ui, response: &Response, size: Vec2) {
-        let panel = response.rect;
-        if let Some(at) = response.hover_pos() {
-            let (zoom, scroll, ctrl) =
-                ui.input(|i| (i.zoom_delta(), i.smooth_scroll_delta(), i.modifiers.command || i.modifiers.ctrl));
-            let by_wheel = if ctrl { 1.0 } else { (scroll.y / 240.0).exp2() };
-            if zoom * by_wheel != 1.0 {
-                self.view.zoom(panel, size, at, zoom * by_wheel);
-            }
-        }
-        let space = ui.input(|i| i.key_down(Key::Space)) && !ui.ctx().text_edit_focused();
-        if response.dragged_by(PointerButton::Middle) || (space && response.dragged_by(PointerButton::Primary)) {
-            self.view.pan(panel, size, response.drag_delta());
-            self.panned |= space;
-            ui.ctx().set_cursor_icon(CursorIcon::Grabbing);
-        } else if space && response.hovered() {
-            ui.ctx().set_cursor_icon(CursorIcon::Grab);
-        }
-    }
-
-    /// Whether Space, let go now, was for playing; asked once for each time it is let go.
-    pub(crate) fn space_was_to_play(&mut self) -> bool {
-        !std::mem::take(&mut self.panned)
     }
 
     /// Draws and selects.
@@ -203,6 +198,8 @@ impl Canvas {
             done.push(if self.brush.paints() {
                 self.brush.begin();
                 Done::Painted(self.brush.hint(vec![placed.to_picture(at)]))
+            } else if let Some(o) = overlaps::at(shown.overlaps, placed, at).filter(|_| self.overlaps_shown()) {
+                Done::Ordered { limb: o.behind, before: true, other: o.front }
             } else {
                 Done::Selected(limb_at(placed, shown, at))
             });
@@ -210,9 +207,52 @@ impl Canvas {
         if response.clicked_by(PointerButton::Secondary)
             && let Some(at) = response.interact_pointer_pos()
         {
-            done.extend(end_at(placed, shown, at).map(Done::Turned));
+            match end_at(placed, shown, at) {
+                Some(limb) => {
+                    self.menu = None;
+                    done.push(Done::Turned(limb));
+                }
+                None => {
+                    self.menu =
+                        limb_at(placed, shown, at).filter(|limb| overlaps::of(shown.overlaps, *limb).next().is_some());
+                }
+            }
         }
         done
+    }
+
+    /// Whether marks lie where limbs cross: they are for the pen that draws limbs.
+    fn overlaps_shown(&self) -> bool {
+        self.overlays.overlaps && !self.brush.paints()
+    }
+
+    /// The menu of a limb: in front of which it is, and behind which.
+    fn ask_order(&mut self, response: &Response, shown: &Shown<'_>) -> Option<Done> {
+        let limb = self.menu?;
+        let opens = response.secondary_clicked().then_some(SetOpenCommand::Bool(true));
+        let menu = Popup::context_menu(response).open_memory(opens);
+        let asked = menu.show(|ui| {
+            let mut asked = None;
+            for (before, other) in overlaps::of(shown.overlaps, limb) {
+                let label = shown.document.limbs.get(other).map_or("", |l| &l.label);
+                let text = if before { texts::behind(label) } else { texts::in_front_of(label) };
+                if ui.button(text).clicked() {
+                    asked = Some(Done::Ordered { limb, before: !before, other });
+                }
+            }
+            let said = shown.document.depth(limb, shown.frame).depth.is_some();
+            if said && ui.button(texts::ORDER_UNSAID).clicked() {
+                asked = Some(Done::Unordered(limb));
+            }
+            asked
+        });
+        match asked {
+            Some(asked) => asked.inner,
+            None => {
+                self.menu = None;
+                None
+            }
+        }
     }
 
     /// Whether a stroke begins where the button was pressed: on the clip, and on nothing that lies over it.
@@ -252,7 +292,8 @@ impl Canvas {
         brush::paint(painter, placed, document.painted(frame));
         shown.onion.paint(painter, placed, document, frame, shown.looped);
         if self.overlays.paths {
-            overlay::paths(painter, placed, document, frame, selected);
+            let numbers: Vec<usize> = (0..document.limbs.len()).collect();
+            overlay::paths(painter, placed, document, frame, selected, &numbers);
         }
         if self.overlays.tracks {
             overlay::tracks(painter, placed, document, frame, selected);
@@ -297,76 +338,64 @@ impl Canvas {
     /// What is shown, by words in a corner, and what the pen does; whether all paint of the frame is to go.
     fn toolbar(&mut self, ui: &mut Ui, panel: Rect, shown: &Shown<'_>) -> bool {
         let mut remove = false;
-        let palette = Palette::of(ui);
-        let at = Rect::from_min_size(panel.min + vec2(10.0, 10.0), vec2(panel.width() - 20.0, 36.0));
-        let builder = eframe::egui::UiBuilder::new().max_rect(at);
-        ui.scope_builder(builder, |ui| {
-            let frame = eframe::egui::Frame::new()
-                .fill(palette.panel.gamma_multiply(0.92))
-                .corner_radius(8)
-                .inner_margin(eframe::egui::Margin::symmetric(6, 3));
-            let tools = frame.show(ui, |ui| {
-                ui.horizontal(|ui| {
-                    ui.spacing_mut().item_spacing.x = 2.0;
-                    let Overlays { strokes, tracks, paths, mask } = &mut self.overlays;
-                    let tracked = shown.document.tracked.is_some();
-                    for (on, text, command, there) in [
-                        (strokes, texts::STROKES, Command::Strokes, true),
-                        (tracks, texts::TRACKS, Command::Tracks, tracked),
-                        (paths, texts::PATHS, Command::Paths, tracked),
-                        (mask, texts::MASK, Command::Mask, shown.masks.is_some()),
-                    ] {
-                        ui.add_enabled_ui(there, |ui| {
-                            if widgets::word_toggle(ui, text, *on && there, command) {
-                                *on = !*on;
-                            }
-                        });
-                    }
-                    ui.add_space(4.0);
-                    if widgets::command_button(ui, Icon::Fit, texts::FIT, Command::Fit) {
-                        self.view.fit();
-                    }
-                    ui.add_space(4.0);
-                    for (tool, icon, text, command) in [
-                        (Tool::Limbs, Icon::Pencil, texts::TOOL_LIMBS, Command::ToolLimbs),
-                        (Tool::Creature, Icon::Brush, texts::TOOL_CREATURE, Command::ToolCreature),
-                        (Tool::Beside, Icon::Eraser, texts::TOOL_BESIDE, Command::ToolBeside),
-                    ] {
-                        let hint = shortcuts::hint(ui.ctx(), text, command);
-                        if widgets::plain_icon(ui, icon, text, self.brush.tool == tool).on_hover_text(hint).clicked() {
-                            self.brush.tool = tool;
-                        }
-                    }
-                    if self.brush.paints() {
-                        let radius = DragValue::new(&mut self.brush.radius).range(RADII.0..=RADII.1).suffix(" px");
-                        ui.add(radius.max_decimals(0)).accessible_name(texts::BRUSH).on_hover_text(texts::BRUSH);
-                    }
-                    if !shown.document.painted(shown.frame).is_empty() {
-                        remove = ui.button(texts::REMOVE_PAINT).clicked();
+        self.tools = looking::toolbar(ui, panel, 2.0, |ui| {
+            let Overlays { strokes, tracks, paths, mask, overlaps } = &mut self.overlays;
+            let tracked = shown.document.tracked.is_some();
+            for (on, text, command, there) in [
+                (strokes, texts::STROKES, Command::Strokes, true),
+                (tracks, texts::TRACKS, Command::Tracks, tracked),
+                (paths, texts::PATHS, Command::Paths, tracked),
+                (mask, texts::MASK, Command::Mask, shown.masks.is_some()),
+                (overlaps, texts::OVERLAPS, Command::Overlaps, shown.masks.is_some()),
+            ] {
+                ui.add_enabled_ui(there, |ui| {
+                    if widgets::word_toggle(ui, text, *on && there, command) {
+                        *on = !*on;
                     }
                 });
-            });
-            self.tools = tools.response.rect;
+            }
+            ui.add_space(4.0);
+            if widgets::command_button(ui, Icon::Fit, texts::FIT, Command::Fit) {
+                self.looking.fit();
+            }
+            ui.add_space(4.0);
+            for (tool, icon, text, command) in [
+                (Tool::Limbs, Icon::Pencil, texts::TOOL_LIMBS, Command::ToolLimbs),
+                (Tool::Creature, Icon::Brush, texts::TOOL_CREATURE, Command::ToolCreature),
+                (Tool::Beside, Icon::Eraser, texts::TOOL_BESIDE, Command::ToolBeside),
+            ] {
+                let hint = shortcuts::hint(ui.ctx(), text, command);
+                if widgets::plain_icon(ui, icon, text, self.brush.tool == tool).on_hover_text(hint).clicked() {
+                    self.brush.tool = tool;
+                }
+            }
+            if self.brush.paints() {
+                let radius = DragValue::new(&mut self.brush.radius).range(RADII.0..=RADII.1).suffix(" px");
+                ui.add(radius.max_decimals(0)).accessible_name(texts::BRUSH).on_hover_text(texts::BRUSH);
+            }
+            if !shown.document.painted(shown.frame).is_empty() {
+                remove = ui.button(texts::REMOVE_PAINT).clicked();
+            }
         });
         remove
     }
 
     /// Does what a key asked for; false for what is not the canvas's.
-    pub(crate) fn command(&mut self, command: Command, panel: Rect, size: Vec2) -> bool {
-        let zoom = 1.25;
+    pub(crate) fn command(&mut self, command: Command) -> bool {
+        if self.looking.command(command) {
+            return true;
+        }
         match command {
-            Command::Fit => self.view.fit(),
-            Command::ZoomIn => self.view.zoom(panel, size, panel.center(), zoom),
-            Command::ZoomOut => self.view.zoom(panel, size, panel.center(), 1.0 / zoom),
             Command::Strokes => self.overlays.strokes ^= true,
             Command::Tracks => self.overlays.tracks ^= true,
             Command::Paths => self.overlays.paths ^= true,
             Command::Mask => self.overlays.mask ^= true,
+            Command::Overlaps => self.overlays.overlaps ^= true,
             Command::ToolLimbs => self.brush.tool = Tool::Limbs,
             Command::ToolCreature => self.brush.tool = Tool::Creature,
             Command::ToolBeside => self.brush.tool = Tool::Beside,
-            Command::Narrower => self.brush.resize(1.0 / zoom),
-            Command::Wider => self.brush.resize(zoom),
+            Command::Narrower => self.brush.resize(1.0 / RESIZE),
+            Command::Wider => self.brush.resize(RESIZE),
             _ => return false,
         }
         true

@@ -3,90 +3,82 @@
 //! The skeleton is proposed, and becomes part of the document when a person moves a joint. The picture lies in a file of
 //! its own while it is open, for the library reads files.
 
-use std::io::Write as _;
 use std::path::Path;
 use std::sync::Arc;
 
-use eframe::egui::{
-    Align2, CentralPanel, Color32, ComboBox, Context as Gui, FontId, Frame, Margin, Panel, Pos2, Rect, Role,
-    ScrollArea, Sense, Slider, Stroke, Ui, Vec2, WidgetInfo, pos2, vec2,
-};
-use marey_binding::{Access, Character, CharacterOptions, Context, Motion, Part, Result, RetargetOptions, TakeOptions};
+use eframe::egui::{CentralPanel, ComboBox, Context as Gui, Frame, Margin, Panel, Pos2, ScrollArea, Slider, Ui};
+use marey_binding::{Access, Context, Motion, Part, Result};
 
 use crate::around::Around;
 use crate::background::Background;
-use crate::document::{CharacterNotes, Document};
-use crate::drawing_door::{look_around, one_frame, toolbar};
-use crate::handles::{Done, Hand, Handle};
-use crate::icons::Icon;
+use crate::capture::OpeningClip;
+use crate::character_steps::{Figure, Made};
+use crate::clip_points::ClipPoints;
+use crate::document::Document;
+use crate::filling::{Filling as _, Steps};
+use crate::handles::Hand;
+use crate::looking::Looking;
 use crate::moving::{Moving, MovingPictures};
+use crate::notes::CharacterNotes;
 use crate::picker::Ask;
-use crate::running::{Purpose, Running, Step};
 use crate::shortcuts::{self, Command};
+use crate::solved::Solved;
 use crate::theme::{self, Palette};
-use crate::view::View;
-use crate::workshop::{Watched, Workshop};
-use crate::{overlay, sample, texts, widgets};
+use crate::workshop::Workshop;
+use crate::{sample, texts, timeline, widgets};
 
-const WHOLE: Rect = Rect { min: pos2(0.0, 0.0), max: pos2(1.0, 1.0) };
-
-/// A drawing with its skeleton.
-struct Figure {
-    /// The picture and the skeleton that it was made of.
-    of: Made,
-    character: Arc<Character>,
-    joints: Vec<(String, (f32, f32))>,
-    bones: Vec<[u32; 2]>,
-    size: Vec2,
-}
-
-/// What something was made of.
-#[derive(Clone, Debug, Default, PartialEq)]
-struct Made {
-    picture: Option<Arc<Vec<u8>>>,
-    skeleton: Option<Arc<Vec<u8>>>,
-    motion: Option<Arc<Vec<u8>>>,
-    map: Option<Arc<Vec<u8>>>,
-    notes: CharacterNotes,
-}
+/// The bytes of a part.
+type Bytes = Arc<Vec<u8>>;
 
 pub(crate) struct CharacterDoor {
     pub(crate) shop: Workshop,
-    view: View,
-    moving_view: View,
-    hand: Hand,
+    pub(crate) steps: Steps<Made>,
+    pub(crate) looking: Looking,
+    pub(crate) moving_looking: Looking,
+    pub(crate) hand: Hand,
+    /// The joint that is corrected, or marked on the clip next.
     pub(crate) selected: Option<usize>,
-    bones: bool,
+    pub(crate) bones: bool,
+    /// Whether the clip that a motion is taken from is shown, with the drawing beside it.
+    pub(crate) on_clip: bool,
+    pub(crate) clip: ClipPoints,
+    pub(crate) opening: Option<OpeningClip>,
+    /// Where the marks go, and the motion that was captured of which marks.
+    pub(crate) solved: Option<Solved>,
+    pub(crate) captured: Option<(Bytes, Bytes)>,
     /// The picture as a file, and what it is of.
-    file: Option<(Arc<Vec<u8>>, tempfile::NamedTempFile)>,
-    figure: Option<Figure>,
-    still: Option<Moving>,
-    still_pictures: MovingPictures,
+    pub(crate) file: Option<(Bytes, tempfile::NamedTempFile)>,
+    pub(crate) figure: Option<Figure>,
+    pub(crate) still: Option<Moving>,
+    pub(crate) still_pictures: MovingPictures,
     /// What plays was made of.
-    moves: Option<Made>,
+    pub(crate) moves: Option<Made>,
     /// What a motion has to follow, and which joint follows what of it, as a map.json.
-    tracks: Vec<String>,
-    followed: serde_json::Value,
-    begun: Option<(Step, Made)>,
-    failed: Option<(Step, Made)>,
+    pub(crate) tracks: Vec<String>,
+    pub(crate) followed: serde_json::Value,
     /// The skeleton with a joint that was moved, in the making.
     moving_joint: Option<Background<std::result::Result<String, String>>>,
     /// A motion that is being read.
     reading: Option<Background<std::result::Result<String, String>>>,
     /// The slider while it is held.
     stretch: Option<f32>,
-    panel: Rect,
 }
 
 impl CharacterDoor {
     pub(crate) fn new(gui: &Gui, document: Document, around: &mut Around) -> Self {
         let mut door = Self {
             shop: Workshop::new(gui, document, around),
-            view: View::default(),
-            moving_view: View::default(),
+            steps: Steps::default(),
+            looking: Looking::default(),
+            moving_looking: Looking::default(),
             hand: Hand::default(),
             selected: None,
             bones: true,
+            on_clip: true,
+            clip: ClipPoints::default(),
+            opening: None,
+            solved: None,
+            captured: None,
             file: None,
             figure: None,
             still: None,
@@ -94,128 +86,19 @@ impl CharacterDoor {
             moves: None,
             tracks: Vec::new(),
             followed: serde_json::Value::Null,
-            begun: None,
-            failed: None,
             moving_joint: None,
             reading: None,
             stretch: None,
-            panel: Rect::NOTHING,
         };
+        door.on_clip = door.shop.document.part(Part::Motion).is_none();
+        let first = door.shop.document.keys.first().copied().unwrap_or(0);
+        door.shop.playback.seek(first, 0.0);
         door.go_on(around);
         door
     }
 
-    /// What the character is to be made of.
-    fn figure_of(&self) -> Made {
-        let part = |part| self.shop.document.part(part).cloned();
-        Made { picture: part(Part::Picture), skeleton: part(Part::Skeleton), ..Made::default() }
-    }
-
-    /// What is to play.
-    fn moves_of(&self) -> Made {
-        let part = |part| self.shop.document.part(part).cloned();
-        let (motion, map) = (part(Part::Motion), part(Part::Map));
-        Made { motion, map, notes: self.shop.document.character_notes(), ..self.figure_of() }
-    }
-
-    /// Starts what can be filled in next, after every change.
-    fn go_on(&mut self, around: &mut Around) {
-        let wanted = self.next_step();
-        if let Some(running) = &mut self.shop.running {
-            let step = matches!(running.purpose, Purpose::Step(_));
-            if step && wanted.is_some() && self.begun != wanted {
-                running.give_up();
-            }
-            return;
-        }
-        let Some(wanted) = wanted.filter(|w| self.failed.as_ref() != Some(w)) else { return };
-        match self.start(&wanted, around) {
-            Ok(Some(job)) => {
-                self.shop.running = Some(Running::new(job, Purpose::Step(wanted.0)));
-                self.begun = Some(wanted);
-            }
-            Ok(None) => {}
-            Err(message) => {
-                around.notices.failed(message);
-                self.failed = Some(wanted);
-            }
-        }
-    }
-
-    fn next_step(&self) -> Option<(Step, Made)> {
-        let figure = self.figure_of();
-        figure.picture.as_ref()?;
-        if self.figure.as_ref().is_none_or(|f| f.of != figure) {
-            return Some((Step::Character, figure));
-        }
-        if self.still.is_none() {
-            return Some((Step::Still, figure));
-        }
-        let moves = self.moves_of();
-        moves.motion.as_ref()?;
-        (self.moves.as_ref() != Some(&moves)).then_some((Step::Move, moves))
-    }
-
-    fn start(
-        &mut self,
-        (step, made): &(Step, Made),
-        around: &Around,
-    ) -> std::result::Result<Option<marey_binding::Job>, String> {
-        let said = |e: marey_binding::Error| e.to_string();
-        let context = &around.context;
-        match (step, &self.figure) {
-            (Step::Character, _) => {
-                let Some(bytes) = &made.picture else { return Ok(None) };
-                if self.file.as_ref().is_none_or(|(of, _)| of != bytes) {
-                    let file = picture_file(bytes, &around.places.samples)
-                        .map_err(|e| texts::no_folder(&around.places.samples, &e))?;
-                    self.file = Some((bytes.clone(), file));
-                }
-                let path = self.file.as_ref().map(|(_, f)| f.path().to_string_lossy().into_owned());
-                let rig = made.skeleton.as_ref().map(|s| String::from_utf8_lossy(s));
-                let options = CharacterOptions {
-                    picture: path.as_deref().unwrap_or_default(),
-                    rig_json: rig.as_deref().unwrap_or_default(),
-                    ..CharacterOptions::default()
-                };
-                context.start_character(&options).map(Some).map_err(said)
-            }
-            (Step::Still, Some(figure)) => {
-                let joints: Vec<(&str, (f32, f32))> = figure.joints.iter().map(|(n, at)| (n.as_str(), *at)).collect();
-                let json = one_frame(&joints, (figure.size.x, figure.size.y));
-                let start = || {
-                    let motion = context.motion_from_json(&json)?;
-                    context.start_take_of_motion(&figure.character, &motion, &TakeOptions::default())
-                };
-                start().map(Some).map_err(said)
-            }
-            (Step::Move, Some(figure)) => {
-                let Some(json) = made.motion.as_ref().map(|m| String::from_utf8_lossy(m)) else { return Ok(None) };
-                let map = self.shop.document.text(Part::Map).unwrap_or_default();
-                let mut tracks = Vec::new();
-                let mut start = || {
-                    let motion = context.motion_from_json(&json)?;
-                    tracks = motion.info()?.tracks;
-                    let retarget = RetargetOptions {
-                        absolute: made.notes.absolute,
-                        stretch: made.notes.stretch,
-                        root_scale: made.notes.on_spot.then_some(0.0),
-                        map,
-                        ..RetargetOptions::default()
-                    };
-                    let options = TakeOptions { retarget, ..TakeOptions::default() };
-                    context.start_take_of_motion(&figure.character, &motion, &options)
-                };
-                let started = start().map(Some).map_err(said);
-                self.tracks = tracks;
-                started
-            }
-            _ => Ok(None),
-        }
-    }
-
-    fn watch(&mut self, ui: &Ui, around: &mut Around) {
-        let now = ui.input(|i| i.time);
+    /// Takes in what was made beside the window.
+    fn receive(&mut self, ui: &Ui, around: &mut Around) {
         if let Some(answer) = answered(&mut self.moving_joint)
             && let Some(json) = around.notices.check(answer)
         {
@@ -228,47 +111,14 @@ impl CharacterDoor {
         {
             self.set_motion(&json, around);
         }
-        let Some(watched) = self.shop.watch(ui, around) else { return };
-        match watched {
-            Watched::Failed => self.failed = self.begun.take(),
-            Watched::Outdated => self.begun = None,
-            Watched::Done(step, running) => {
-                let begun = self.begun.take();
-                let taken = self.take(step, &running, begun.map(|b| b.1).unwrap_or_default(), now);
-                around.notices.check(taken);
-            }
-        }
-        self.go_on(around);
-    }
-
-    fn take(&mut self, step: Step, running: &Running, of: Made, now: f64) -> Result<()> {
-        let job = &running.job;
-        match step {
-            Step::Character => {
-                let character = job.take_character()?;
-                let (info, joints, bones) = (character.info()?, character.joints()?, character.bones()?);
-                let size = vec2(info.size.0 as f32, info.size.1 as f32);
-                self.figure = Some(Figure { of, character: Arc::new(character), joints, bones, size });
-                (self.still, self.moves) = (None, None);
-            }
-            Step::Still => self.still = Some(Moving::Character(Arc::new(job.take_take()?))),
-            Step::Move => {
-                let take = job.take_take()?;
-                let report: serde_json::Value = serde_json::from_str(&take.report()?).unwrap_or_default();
-                self.followed = report["followed"]["map"].clone();
-                let take = Moving::Character(Arc::new(take));
-                self.moves = Some(of);
-                self.shop.show_moving(take, now);
-            }
-            _ => {}
-        }
-        Ok(())
+        self.take_clip(around);
+        self.watch(ui, around);
     }
 
     fn set_motion(&mut self, json: &str, around: &mut Around) {
         // What was said of another motion does not fit this one.
-        let parts = [(Part::Motion, Some(json.as_bytes())), (Part::Map, None)];
-        let set = self.shop.document.set_parts(texts::EDIT_MOTION, &parts);
+        let parts = [(Part::Points, None), (Part::Motion, Some(json.as_bytes())), (Part::Map, None)];
+        let set = self.shop.document.set_clip(texts::EDIT_MOTION, None, &parts);
         around.notices.check(set);
         self.go_on(around);
     }
@@ -280,7 +130,7 @@ impl CharacterDoor {
     }
 
     /// Moves a joint, beside the window: the mesh follows it.
-    fn move_joint(&mut self, gui: &Gui, joint: usize, at: (f32, f32), around: &mut Around) {
+    pub(crate) fn move_joint(&mut self, gui: &Gui, joint: usize, at: (f32, f32), around: &mut Around) {
         let Some(figure) = &self.figure else { return };
         if self.moving_joint.is_some() {
             around.notices.failed(texts::BUSY);
@@ -298,33 +148,70 @@ impl CharacterDoor {
 
     /// Draws everything, and does what was asked for.
     pub(crate) fn show(&mut self, ui: &mut Ui, around: &mut Around) {
-        self.watch(ui, around);
+        self.receive(ui, around);
+        self.shop.follow_clip(ui.ctx());
         self.shop.advance(ui, around);
         let frame = self.shop.playback.frame();
         let palette = Palette::of(ui);
         let plain = Frame::new().fill(palette.panel).inner_margin(Margin::symmetric(theme::PAD, 8));
         self.shop.show_progress(ui);
-        let transport = Panel::bottom("transport").frame(plain).resizable(false);
-        let asked = transport.show(ui, |ui| self.shop.show_transport(ui, around)).inner;
+        let bottom = Panel::bottom("transport").frame(plain).resizable(false);
+        let asked = if self.shop.document.clip.is_some() {
+            let timeline = bottom.show(ui, |ui| {
+                ui.set_min_height(timeline::HEIGHT - 36.0);
+                let Workshop { document, frames, timeline, playback, .. } = &mut self.shop;
+                timeline.show(ui, document, frames.as_ref(), playback, None)
+            });
+            timeline.inner
+        } else {
+            let transport = bottom.show(ui, |ui| self.shop.show_transport(ui, around));
+            transport.inner.into_iter().map(timeline::Asked::Do).collect()
+        };
         Panel::left("steps").frame(plain).default_size(250.0).size_range(210.0..=360.0).show(ui, |ui| {
-            ScrollArea::vertical().auto_shrink(false).show(ui, |ui| self.steps(ui, around));
+            ScrollArea::vertical().auto_shrink(false).show(ui, |ui| self.panel(ui, around));
         });
         let half = (ui.available_width() * 0.5).max(200.0);
+        let marking = self.is_marking();
         Panel::right("moving").frame(Frame::new()).default_size(half).min_size(200.0).show(ui, |ui| {
-            self.show_moving(ui, frame);
+            // While joints are marked, the drawing with the same numbers, unless it plays.
+            if marking && !(self.shop.playback.playing() && self.shop.moving.is_some()) {
+                self.show_figure(ui, around);
+            } else {
+                self.show_moving(ui, frame);
+            }
         });
-        CentralPanel::default().frame(Frame::new()).show(ui, |ui| self.show_figure(ui, around));
-        if let Some(command) = shortcuts::space_released(ui.ctx()).filter(|_| ui.memory(|m| m.focused().is_none())) {
-            self.command(command, ui.ctx(), around);
+        CentralPanel::default().frame(Frame::new()).show(ui, |ui| {
+            if marking {
+                self.show_clip(ui, around);
+            } else {
+                self.show_figure(ui, around);
+            }
+        });
+        if let Some(command) = shortcuts::space_released(ui.ctx()) {
+            let all = [&mut self.looking, &mut self.moving_looking, &mut self.clip.looking];
+            let panned = all.into_iter().fold(false, |panned, looking| looking.space_was_to_pan() | panned);
+            if !panned && ui.memory(|m| m.focused().is_none()) {
+                self.command(command, ui.ctx(), around);
+            }
         }
-        for command in asked {
-            self.command(command, ui.ctx(), around);
+        for asked in asked {
+            match asked {
+                timeline::Asked::Time(timing) => {
+                    around.notices.check(self.shop.document.set_timing(timing));
+                }
+                timeline::Asked::Seek(frame) => self.shop.playback.seek(frame, ui.input(|i| i.time)),
+                timeline::Asked::Do(command) => self.command(command, ui.ctx(), around),
+                timeline::Asked::MoveKey(from, to) => {
+                    self.move_marks(from, to, around);
+                    self.shop.playback.seek(to, 0.0);
+                }
+            }
         }
         self.shop.show_export(ui, around);
     }
 
     /// The steps, each with what can be corrected of it.
-    fn steps(&mut self, ui: &mut Ui, around: &mut Around) {
+    fn panel(&mut self, ui: &mut Ui, around: &mut Around) {
         widgets::section(ui, texts::PICTURE);
         if ui.button(texts::OTHER_PICTURE).clicked() {
             around.picker.ask(ui.ctx(), Ask::Picture);
@@ -361,7 +248,21 @@ impl CharacterDoor {
         if ui.button(texts::CHOOSE_MOTION).on_hover_text(texts::CHOOSE_MOTION_HINT).clicked() {
             around.picker.ask(ui.ctx(), Ask::Motion);
         }
-        if self.shop.document.part(Part::Motion).is_some() {
+        if ui.button(texts::CAPTURE).on_hover_text(texts::CAPTURE_HINT).clicked() {
+            around.picker.ask(ui.ctx(), Ask::MotionClip);
+        }
+        if self.shop.document.clip.is_some() {
+            let (marked, joints) = self.marked();
+            widgets::remark(
+                ui,
+                if self.marks_are_own() {
+                    texts::marked_joints(marked, joints)
+                } else {
+                    texts::MARKS_OF_ANOTHER.into()
+                },
+            );
+        }
+        if self.motion().is_some() {
             ui.add_space(theme::GAP);
             ui.separator();
             self.correct(ui, around);
@@ -428,124 +329,28 @@ impl CharacterDoor {
         }
     }
 
-    /// The drawing with its skeleton, as it was drawn.
-    fn show_figure(&mut self, ui: &mut Ui, around: &mut Around) {
-        let palette = Palette::of(ui);
-        let (response, painter) = ui.allocate_painter(ui.available_size(), Sense::click_and_drag());
-        let panel = response.rect;
-        self.panel = panel;
-        painter.rect_filled(panel, 0.0, palette.canvas);
-        response.widget_info(|| WidgetInfo::labeled(Role::Canvas, true, texts::FIGURE_NAME));
-        let Some((size, joints, bones)) = self.figure.as_ref().map(|f| (f.size, f.joints.clone(), f.bones.clone()))
-        else {
-            let middle = FontId::proportional(15.0);
-            painter.text(panel.center(), Align2::CENTER_CENTER, texts::SEEING, middle, palette.weak);
-            return;
-        };
-        look_around(ui, &response, &mut self.view, size);
-        let placed = self.view.place(panel, size);
-        painter.rect_filled(placed.picture(size), 2.0, Color32::WHITE);
-        if let Some(still) = &self.still {
-            self.still_pictures.update(ui.ctx(), still, 0, placed.scale * ui.pixels_per_point());
-            show_picture(&painter, placed, &self.still_pictures);
-        }
-        let handles: Vec<Handle> =
-            (0..joints.len()).map(|number| Handle { number, at: joints[number].1, sure: 1.0, by_hand: true }).collect();
-        if self.bones {
-            let done = self.hand.act(ui, &response, placed, &handles);
-            let at = |joint: u32| placed.to_screen(self.hand.place(&handles[joint as usize]));
-            for [from, to] in bones {
-                overlay::line(&painter, &[at(from), at(to)], 3.0, theme::limb(to as usize));
-            }
-            for handle in &handles {
-                let place = placed.to_screen(self.hand.place(handle));
-                let on = self.selected == Some(handle.number);
-                let ring = Stroke::new(if on { 3.0 } else { 1.5 }, if on { Color32::WHITE } else { Color32::BLACK });
-                painter.circle(place, if on { 7.0 } else { 6.0 }, theme::limb(handle.number), ring);
-            }
-            let near = response
-                .hover_pos()
-                .and_then(|at| handles.iter().find(|h| placed.to_screen(h.at).distance(at) < 12.0).map(|h| h.number));
-            if let Some(joint) = near.or(self.selected).filter(|j| *j < joints.len()) {
-                let at = placed.to_screen(self.hand.place(&handles[joint])) + vec2(14.0, -14.0);
-                let galley =
-                    painter.layout_no_wrap(joints[joint].0.clone(), FontId::proportional(13.0), Color32::WHITE);
-                let ground = Rect::from_min_size(at - vec2(6.0, 13.0), galley.size() + vec2(12.0, 6.0));
-                painter.rect_filled(ground, 4.0, Color32::from_black_alpha(190));
-                painter.galley(ground.min + vec2(6.0, 3.0), galley, Color32::WHITE);
-            }
-            match done {
-                Some(Done::Moved(joint, at)) => {
-                    self.selected = Some(joint);
-                    // It is shown where it was let go until the mesh has followed.
-                    if let Some(figure) = &mut self.figure {
-                        figure.joints[joint].1 = at;
-                    }
-                    self.move_joint(ui.ctx(), joint, at, around);
-                }
-                Some(Done::Selected(joint)) => self.selected = Some(joint),
-                Some(Done::Clicked(_)) => self.selected = None,
-                None => {}
-            }
-        }
-        toolbar(ui, panel, |ui| {
-            if widgets::word_toggle(ui, texts::SKELETON, self.bones, Command::Tracks) {
-                self.bones ^= true;
-            }
-            if widgets::command_button(ui, Icon::Fit, texts::FIT_DRAWING, Command::Fit) {
-                self.view.fit();
-            }
-        });
-    }
-
-    /// The character in motion.
-    fn show_moving(&mut self, ui: &mut Ui, frame: u64) {
-        let palette = Palette::of(ui);
-        let (response, painter) = ui.allocate_painter(ui.available_size(), Sense::click_and_drag());
-        let panel = response.rect;
-        painter.rect_filled(panel, 0.0, palette.canvas);
-        painter.vline(panel.left(), panel.y_range(), Stroke::new(1.0, palette.outline));
-        response.widget_info(|| WidgetInfo::labeled(Role::Image, true, texts::MOVING_NAME));
-        let Some(moving) = self.shop.moving.clone() else {
-            let none = self.shop.document.part(Part::Motion).is_none();
-            let text = if none { texts::NO_MOTION } else { texts::SEEING };
-            let galley =
-                painter.layout(text.to_owned(), FontId::proportional(15.0), palette.weak, panel.width() - 60.0);
-            painter.galley(panel.center() - galley.size() / 2.0, galley, palette.weak);
-            return;
-        };
-        let size = self.figure.as_ref().map_or(Vec2::splat(1.0), |f| f.size);
-        // All of every frame is to be seen.
-        let area = self.shop.pictures.area;
-        let whole = if area.is_positive() { area.size() } else { size };
-        look_around(ui, &response, &mut self.moving_view, whole);
-        let placed = self.moving_view.place(panel, whole);
-        self.shop.pictures.update(ui.ctx(), &moving, frame, placed.scale * ui.pixels_per_point());
-        let paper = placed.picture(whole);
-        painter.rect_filled(paper, 2.0, Color32::WHITE);
-        if let Some(texture) = self.shop.pictures.picture() {
-            painter.image(texture.id(), paper, WHOLE, Color32::WHITE);
-        }
-        if let Some(failed) = &self.shop.pictures.failed {
-            let galley = painter.layout(failed.clone(), FontId::proportional(14.0), palette.bad, panel.width() - 40.0);
-            painter.galley(panel.min + vec2(20.0, 60.0), galley, palette.bad);
-        }
-    }
-
     /// What comes next, in the bar. It always leads on.
     pub(crate) fn show_steps(&mut self, ui: &mut Ui, around: &mut Around) {
-        let moves = self.shop.document.part(Part::Motion).is_some();
-        if widgets::primary_button(ui, if moves { texts::EXPORT } else { texts::CHOOSE_MOTION }).clicked() {
+        let text = match (self.motion().is_some(), self.shop.document.clip.is_some()) {
+            (true, _) => texts::EXPORT,
+            (false, true) => texts::NEXT_MARK_JOINTS,
+            (false, false) => texts::CHOOSE_MOTION,
+        };
+        if widgets::primary_button(ui, text).clicked() {
             self.next(ui.ctx(), around);
         }
     }
 
     fn next(&mut self, gui: &Gui, around: &mut Around) {
-        if self.failed.take().is_some() {
+        if self.steps.try_again() {
             // What was cancelled or went wrong is tried again.
             self.go_on(around);
-        } else if self.shop.document.part(Part::Motion).is_some() {
+        } else if self.motion().is_some() {
             self.command(Command::Export, gui, around);
+        } else if self.shop.document.clip.is_some() {
+            self.on_clip = true;
+            self.selected = self.selected.or(Some(0));
+            around.notices.failed(texts::MARK_JOINTS);
         } else {
             around.picker.ask(gui, Ask::Motion);
         }
@@ -555,7 +360,7 @@ impl CharacterDoor {
         match command {
             Command::Make => self.next(gui, around),
             Command::Cancel => {
-                if !self.hand.cancel() {
+                if !(self.hand.cancel() | self.clip.cancel()) {
                     self.selected = None;
                 }
             }
@@ -564,22 +369,21 @@ impl CharacterDoor {
                 self.selected = (count > 0).then(|| self.selected.map_or(0, |joint| (joint + 1) % count));
             }
             Command::Tracks => self.bones ^= true,
+            Command::Paths => self.clip.paths ^= true,
+            Command::Clip => self.on_clip ^= true,
+            Command::RemoveStroke => self.unmark(around),
+            Command::NextCorrection => self.next_correction(),
             Command::Fit => {
-                self.view.fit();
-                self.moving_view.fit();
+                for looking in [&mut self.looking, &mut self.moving_looking, &mut self.clip.looking] {
+                    looking.fit();
+                }
             }
             Command::ZoomIn | Command::ZoomOut => {
-                let by = if command == Command::ZoomIn { 1.25 } else { 0.8 };
-                let size = self.figure.as_ref().map_or(Vec2::ZERO, |f| f.size);
-                self.view.zoom(self.panel, size, self.panel.center(), by);
+                let looking = if self.is_marking() { &mut self.clip.looking } else { &mut self.looking };
+                looking.command(command);
             }
             _ => {
                 if self.shop.command(command, gui, around) && matches!(command, Command::Undo | Command::Redo) {
-                    if self.shop.document.part(Part::Motion).is_none() {
-                        self.shop.moving = None;
-                        self.shop.pictures.clear();
-                        self.moves = None;
-                    }
                     self.go_on(around);
                 }
             }
@@ -595,12 +399,17 @@ impl CharacterDoor {
                 let (context, path) = (around.context.clone(), path.to_string_lossy().into_owned());
                 self.reading = Some(Background::start(gui, move || read_motion(&context, &path, &ending)));
             }
-            ("jpg" | "jpeg" | "webp", _) | (_, Some(Ask::Picture)) => {
+            (_, Some(Ask::MotionClip)) => self.open_clip(gui, path, around),
+            ("jpg" | "jpeg" | "webp" | "png", _) | (_, Some(Ask::Picture)) => {
                 let read = std::fs::read(path).map_err(|e| texts::unreadable(path, &e));
                 if let Some(picture) = around.notices.check(read) {
-                    let parts = [(Part::Picture, Some(picture.as_slice())), (Part::Skeleton, None)];
+                    // What was said of another skeleton does not fit this one's.
+                    let parts = [(Part::Picture, Some(picture.as_slice())), (Part::Skeleton, None), (Part::Map, None)];
                     let set = self.shop.document.set_parts(texts::EDIT_PICTURE, &parts);
                     around.notices.check(set);
+                    // It is looked at as it takes the motion that is there.
+                    self.on_clip = self.motion().is_none();
+                    self.selected = None;
                     self.go_on(around);
                 }
             }
@@ -611,8 +420,12 @@ impl CharacterDoor {
 
     /// Where a place of the drawing is on the screen.
     pub(crate) fn on_screen(&self, at: (f32, f32)) -> Pos2 {
-        let size = self.figure.as_ref().map_or(Vec2::ZERO, |f| f.size);
-        self.view.place(self.panel, size).to_screen(at)
+        self.looking.on_screen(at)
+    }
+
+    /// Where a place of the clip is on the screen.
+    pub(crate) fn on_clip(&self, at: (f32, f32)) -> Pos2 {
+        self.clip.looking.on_screen(at)
     }
 
     /// The joints' places.
@@ -622,7 +435,7 @@ impl CharacterDoor {
 
     /// Whether the mesh follows a joint now.
     pub(crate) fn is_busy(&self) -> bool {
-        self.shop.running.is_some() || self.moving_joint.is_some() || self.reading.is_some()
+        self.shop.running.is_some() || self.moving_joint.is_some() || self.reading.is_some() || self.opening.is_some()
     }
 }
 
@@ -636,21 +449,6 @@ fn answered(
     };
     *background = None;
     Some(answer)
-}
-
-fn show_picture(painter: &eframe::egui::Painter, placed: crate::view::Placement, pictures: &MovingPictures) {
-    if let Some(texture) = pictures.picture() {
-        let (low, high) = (pictures.area.min, pictures.area.max);
-        let at = Rect::from_min_max(placed.to_screen((low.x, low.y)), placed.to_screen((high.x, high.y)));
-        painter.image(texture.id(), at, WHOLE, Color32::WHITE);
-    }
-}
-
-fn picture_file(bytes: &[u8], folder: &Path) -> std::io::Result<tempfile::NamedTempFile> {
-    let mut file = tempfile::Builder::new().prefix("picture-").tempfile_in(folder)?;
-    file.write_all(bytes)?;
-    file.flush()?;
-    Ok(file)
 }
 
 /// The motion of a file: a motion.json, a BVH, or a session in which something was tracked.

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use eframe::egui::{Align, CentralPanel, Context as Gui, Frame, Layout, Margin, Panel, Pos2, Rect, Ui, Vec2, vec2};
+use eframe::egui::{Align, CentralPanel, Context as Gui, Frame, Layout, Margin, Panel, Pos2, Ui};
 use marey_binding::{Creature, Facing, Masks};
 
 use crate::around::Around;
@@ -13,19 +13,20 @@ use crate::export::{self, ExportDialog, Exported, ShownCreature};
 use crate::frames::Frames;
 use crate::icons::Icon;
 use crate::limbs_panel::{self, LimbsPanel};
+use crate::overlaps::{Bones, Overlap, Said};
 use crate::playback::Playback;
 use crate::running::{Ended, Purpose, Running};
 use crate::shortcuts::Command;
 use crate::theme::{self, Palette};
 use crate::timeline::{self, Timeline};
 use crate::view3d::View3d;
-use crate::{methods, shortcuts, texts, widgets};
+use crate::{methods, overlaps, shortcuts, texts, widgets};
 
 /// A creature that was made, and the masks it was made of.
-#[derive(Debug)]
 struct Made {
     creature: Arc<Creature>,
     masks: Masks,
+    bones: Bones,
 }
 
 pub(crate) struct CreatureDoor {
@@ -40,13 +41,15 @@ pub(crate) struct CreatureDoor {
     pub(crate) selected: Option<usize>,
     running: Option<Running>,
     made: Option<Made>,
+    /// What was said of limbs' depth when the creature in the making was begun.
+    making: Said,
+    /// Where limbs lie over each other in the frame that is shown; none while it plays.
+    pub(crate) overlaps: Vec<Overlap>,
     pub(crate) export: Option<ExportDialog>,
     /// Whether it is shown by what the creature is made.
     methods: bool,
     /// Whether the list of plugins was asked for.
     pub(crate) wants_plugins: bool,
-    /// Where the canvas was on the screen.
-    panel: Rect,
 }
 
 impl CreatureDoor {
@@ -63,10 +66,11 @@ impl CreatureDoor {
             selected: None,
             running: None,
             made: None,
+            making: Said::new(),
+            overlaps: Vec::new(),
             export: None,
             methods: false,
             wants_plugins: false,
-            panel: Rect::NOTHING,
             document,
         };
         door.playback.seek(door.document.keys.first().copied().unwrap_or(0), 0.0);
@@ -97,11 +101,7 @@ impl CreatureDoor {
 
     /// Where a place of the clip is on the screen.
     pub(crate) fn on_screen(&self, at: (f32, f32)) -> Pos2 {
-        self.canvas.view.place(self.panel, self.clip_size()).to_screen(at)
-    }
-
-    fn clip_size(&self) -> Vec2 {
-        self.document.clip.as_ref().map_or(Vec2::ZERO, |(_, i)| vec2(i.width as f32, i.height as f32))
+        self.canvas.looking.on_screen(at)
     }
 
     /// The document, to be left. A job has nothing to give to a session that is gone.
@@ -123,6 +123,7 @@ impl CreatureDoor {
         if let Some(message) = self.frames.as_mut().and_then(|frames| frames.update(ui.ctx(), frame)) {
             around.notices.failed(message);
         }
+        self.find_overlaps(around);
         let palette = Palette::of(ui);
         let plain = Frame::new().fill(palette.panel).inner_margin(Margin::symmetric(theme::PAD, 8));
 
@@ -139,7 +140,7 @@ impl CreatureDoor {
             .frame(plain)
             .default_size(250.0)
             .size_range(210.0..=360.0)
-            .show(ui, |ui| self.limbs.show(ui, &self.document, frame, self.selected));
+            .show(ui, |ui| self.limbs.show(ui, &self.document, (frame, &self.overlaps), self.selected));
         if let Some(made) = &self.made {
             let half = (ui.available_width() * 0.5).max(200.0);
             let bounds = self.document.tracked.as_ref().map(|t| t.bounds);
@@ -151,20 +152,20 @@ impl CreatureDoor {
             });
         }
         let done = CentralPanel::default().frame(Frame::new()).show(ui, |ui| {
-            self.panel = ui.max_rect();
             let shown = Shown {
                 document: &self.document,
                 frames: self.frames.as_ref(),
                 masks: self.made.as_ref().map(|m| &m.masks),
                 frame,
                 selected: self.selected,
+                overlaps: &self.overlaps,
                 onion: around.preferences.onion,
                 looped: self.playback.looped,
             };
             self.canvas.show(ui, &shown)
         });
         if let Some(command) = shortcuts::space_released(ui.ctx())
-            && self.canvas.space_was_to_play()
+            && !self.canvas.looking.space_was_to_pan()
             && ui.memory(|m| m.focused().is_none())
         {
             self.command(command, ui.ctx(), around);
@@ -191,6 +192,8 @@ impl CreatureDoor {
             match done {
                 canvas::Done::Selected(limb) => self.selected = limb,
                 canvas::Done::Turned(limb) => self.turn(limb, frame, around),
+                canvas::Done::Ordered { limb, before, other } => self.order(limb, before, &[other], around),
+                canvas::Done::Unordered(limb) => self.say_depths(&[(limb, None)], around),
                 canvas::Done::Painted(hint) => {
                     self.playback.stop();
                     around.notices.check(self.document.paint(frame, &hint));
@@ -269,7 +272,9 @@ impl CreatureDoor {
                 Purpose::Creature => {
                     let made = self.document.take(&running.job, true).and_then(|()| {
                         let (creature, masks) = (running.job.take_creature()?, running.job.take_masks()?);
-                        Ok(Made { creature: Arc::new(creature), masks })
+                        let height = self.document.clip.as_ref().map_or(0.0, |(_, info)| info.height as f32);
+                        let bones = Bones::new(&creature, std::mem::take(&mut self.making), height)?;
+                        Ok(Made { creature: Arc::new(creature), masks, bones })
                     });
                     if let Some(made) = around.notices.check(made) {
                         self.made = Some(made);
@@ -315,7 +320,57 @@ impl CreatureDoor {
         }
         if let Some(job) = around.notices.check(self.document.start_creature()) {
             self.running = Some(Running::new(job, Purpose::Creature));
+            self.making = self.document.depths_said();
         }
+    }
+
+    /// Finds where limbs lie over each other in the frame that is shown.
+    fn find_overlaps(&mut self, around: &mut Around) {
+        self.overlaps.clear();
+        let Some(made) = self.made.as_mut().filter(|_| !self.playback.playing()) else { return };
+        let found = made.bones.overlaps(&made.creature, &self.document, self.playback.frame());
+        self.overlaps = around.notices.check(found).unwrap_or_default();
+    }
+
+    /// Says that a limb is in front of others on this frame, or behind them.
+    fn order(&mut self, limb: usize, before: bool, others: &[usize], around: &mut Around) {
+        let Some(made) = &mut self.made else { return };
+        let frame = self.playback.frame();
+        let said = made.bones.order(&made.creature, &self.document, frame, (limb, before, others));
+        if let Some(said) = around.notices.check(said) {
+            self.say_depths(&said, around);
+        }
+    }
+
+    /// By the key: before all that it crosses where it is behind any, else behind all.
+    fn order_by_key(&mut self, around: &mut Around) {
+        if self.made.is_none() {
+            around.notices.failed(texts::MAKE_TO_ORDER);
+            return;
+        }
+        let Some(limb) = self.selected else {
+            around.notices.failed(texts::SELECT_TO_ORDER);
+            return;
+        };
+        self.playback.stop();
+        self.find_overlaps(around);
+        let crossed: Vec<(bool, usize)> = overlaps::of(&self.overlaps, limb).collect();
+        if crossed.is_empty() {
+            around.notices.failed(texts::crosses_nothing(&self.document.limbs[limb].label));
+            return;
+        }
+        let before = crossed.iter().any(|(before, _)| !before);
+        let others: Vec<usize> = crossed.into_iter().map(|(_, other)| other).collect();
+        self.order(limb, before, &others, around);
+    }
+
+    fn say_depths(&mut self, said: &[(usize, Option<f32>)], around: &mut Around) {
+        if said.is_empty() {
+            return;
+        }
+        let done = self.document.set_depths(self.playback.frame(), said);
+        around.notices.check(done);
+        self.follow();
     }
 
     fn draw(&mut self, points: &[(f32, f32)], frame: u64, around: &mut Around) {
@@ -360,6 +415,10 @@ impl CreatureDoor {
                 document.set_limb(limb, &label, side)
             }
             limbs_panel::Asked::Facing(limb, facing) => document.set_facing(limb, frame, facing),
+            limbs_panel::Asked::Order { limb, before, other } => {
+                self.order(limb, before, &[other], around);
+                return;
+            }
             limbs_panel::Asked::RemoveStroke(limb) => document.remove_stroke(limb, frame),
             limbs_panel::Asked::RemoveLimb(limb) => {
                 self.selected = None;
@@ -372,8 +431,8 @@ impl CreatureDoor {
 
     /// Does what a key or a button asked for.
     pub(crate) fn command(&mut self, command: Command, gui: &Gui, around: &mut Around) {
-        let (now, frame, size) = (gui.input(|i| i.time), self.playback.frame(), self.clip_size());
-        if self.canvas.command(command, self.panel, size) || self.view3d.command(command) {
+        let (now, frame) = (gui.input(|i| i.time), self.playback.frame());
+        if self.canvas.command(command) || self.view3d.command(command) {
             return;
         }
         if self.playback.command(command, &self.document.keys, now) {
@@ -412,6 +471,7 @@ impl CreatureDoor {
                     self.turn(limb, frame, around);
                 }
             }
+            Command::Order => self.order_by_key(around),
             Command::NewLimb => self.selected = None,
             Command::NextLimb => {
                 let count = self.document.limbs.len();

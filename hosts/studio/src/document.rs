@@ -8,16 +8,18 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use marey_binding::{
-    Clip, ClipInfo, Context, Correction, Facing, Job, Motion, Part, Result, Session, SessionState, Side, Stroke,
-    TrackFrame,
+    Clip, ClipInfo, Context, Correction, Facing, Job, LimbDepth, Motion, Part, Result, Session, SessionState, Side,
+    Stroke, TrackFrame,
 };
 
 use serde::{Deserialize, Serialize};
 
 use crate::brush::Painted;
 use crate::marks::Marks;
+use crate::notes::Notes;
+use crate::overlaps::Said;
+use crate::solved::Stamp;
 use crate::texts;
-use crate::timing::Timing;
 
 /// What is made of a session.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -27,34 +29,6 @@ pub(crate) enum Door {
     Creature,
     Character,
     Drawing,
-}
-
-/// The session's notes: which door it is behind, how a motion is carried over to a character, and the time it takes.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(default)]
-struct Notes {
-    door: Door,
-    character: CharacterNotes,
-    timing: Timing,
-}
-
-/// How a motion is carried over to a character.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default)]
-pub(crate) struct CharacterNotes {
-    /// Bones change their length up to this factor.
-    pub(crate) stretch: f32,
-    /// It stays where it is.
-    pub(crate) on_spot: bool,
-    /// Bones point where the motion's do, rather than turn as they do.
-    pub(crate) absolute: bool,
-}
-
-impl Default for CharacterNotes {
-    fn default() -> Self {
-        // A figure of other proportions tears at more, and looks stiff at none.
-        Self { stretch: 1.2, on_spot: true, absolute: false }
-    }
 }
 
 /// Parts with their bytes, or none to take one away.
@@ -105,6 +79,8 @@ pub(crate) struct Document {
     /// Frames that are drawn on, rising.
     pub(crate) keys: Vec<u64>,
     strokes: HashMap<(usize, u64), Stroke>,
+    /// What is said of limbs' depth, by limb and frame.
+    depths: HashMap<(usize, u64), LimbDepth>,
     /// By frame.
     painted: HashMap<u64, Vec<Painted>>,
     pub(crate) tracked: Option<Tracked>,
@@ -117,7 +93,7 @@ pub(crate) struct Document {
     pub(crate) redo: Option<String>,
     /// The ids of the plugins that track and segment; empty for what is built in.
     methods: [String; 2],
-    worked_on: bool,
+    pub(crate) worked_on: bool,
 }
 
 impl Document {
@@ -151,7 +127,12 @@ impl Document {
         parts: Parts<'_>,
     ) -> Result<Self> {
         let clip = clip.map(|path| context.open_clip(path)).transpose()?;
-        let notes = serde_json::to_vec(&Notes { door, ..Notes::default() }).unwrap_or_default();
+        let of = |wanted: Part| parts.iter().find(|(part, _)| *part == wanted).and_then(|(_, bytes)| *bytes);
+        let solved = match (of(Part::Points), of(Part::Motion), &clip) {
+            (Some(points), Some(_), Some(clip)) => Some(Stamp::new(points, &clip.info()?)),
+            _ => None,
+        };
+        let notes = serde_json::to_vec(&Notes { door, solved, ..Notes::default() }).unwrap_or_default();
         let session = context.new_untitled_session(&unsaved.to_string_lossy())?;
         let set_up = || {
             session.begin_gesture(texts::EDIT_OPEN)?;
@@ -181,6 +162,7 @@ impl Document {
             limbs: Vec::new(),
             keys: Vec::new(),
             strokes: HashMap::new(),
+            depths: HashMap::new(),
             painted: HashMap::new(),
             tracked: None,
             marks: Marks::new((1, 1)),
@@ -226,6 +208,23 @@ impl Document {
         (0..self.limbs.len()).filter_map(move |limb| Some((limb, self.stroke(limb, frame)?)))
     }
 
+    /// What is said of a limb's depth on a frame.
+    pub(crate) fn depth(&self, limb: usize, frame: u64) -> LimbDepth {
+        self.depths.get(&(limb, frame)).copied().unwrap_or_default()
+    }
+
+    /// What is said of all limbs' depth.
+    pub(crate) fn depths_said(&self) -> Said {
+        let keys = |limb: usize| {
+            let key = |frame: &u64| {
+                let said = self.depth(limb, *frame).depth;
+                (said.is_some() || self.stroke(limb, *frame).is_some()).then_some((*frame, said))
+            };
+            self.keys.iter().filter_map(key).collect()
+        };
+        self.limbs.iter().enumerate().map(|(limb, l)| (l.label.clone(), keys(limb))).collect()
+    }
+
     /// The hints that are painted on a frame.
     pub(crate) fn painted(&self, frame: u64) -> &[Painted] {
         self.painted.get(&frame).map_or(&[], |hints| hints)
@@ -247,12 +246,21 @@ impl Document {
             while self.session.undo_label()?.is_some_and(|label| label.ends_with(texts::EDIT_FOLLOWED)) {
                 self.session.undo()?;
             }
+            self.forget_clip(self.session.undo_label()?);
             self.session.undo()?;
         }
         self.refresh(true)
     }
 
+    /// Another clip may be there after this step.
+    fn forget_clip(&mut self, step: Option<String>) {
+        if step.is_some_and(|step| [texts::EDIT_CLIP, texts::EDIT_MOTION].contains(&&*step)) {
+            self.clip = None;
+        }
+    }
+
     pub(crate) fn redo_one(&mut self) -> Result<()> {
+        self.forget_clip(self.session.redo_label()?);
         self.session.redo()?;
         while self.session.redo_label()?.is_some_and(|label| label.ends_with(texts::EDIT_FOLLOWED)) {
             self.session.redo()?;
@@ -317,6 +325,17 @@ impl Document {
         self.edit(texts::EDIT_FACING, |session| session.set_stroke(limb as u32, frame, &points, facing))
     }
 
+    /// Says how deep limbs are on a frame, or no longer.
+    pub(crate) fn set_depths(&mut self, frame: u64, said: &[(usize, Option<f32>)]) -> Result<()> {
+        let said: Vec<(u32, LimbDepth)> = said
+            .iter()
+            .map(|(limb, depth)| (*limb as u32, LimbDepth { depth: *depth, ..self.depth(*limb, frame) }))
+            .collect();
+        self.edit(texts::EDIT_ORDER, |session| {
+            said.iter().try_for_each(|(limb, depth)| session.set_depth(*limb, frame, *depth))
+        })
+    }
+
     pub(crate) fn remove_stroke(&mut self, limb: usize, frame: u64) -> Result<()> {
         self.edit(texts::EDIT_REMOVE_STROKE, |session| session.remove_stroke(limb as u32, frame))
     }
@@ -338,45 +357,21 @@ impl Document {
     /// Moves all that is drawn on a frame to another; what was drawn there is replaced.
     pub(crate) fn move_key(&mut self, from: u64, to: u64) -> Result<()> {
         let strokes: Vec<(usize, Stroke)> = self.strokes_on(from).map(|(limb, s)| (limb, s.clone())).collect();
+        let depths: Vec<(u32, LimbDepth)> = (0..self.limbs.len())
+            .map(|limb| (limb as u32, self.depth(limb, from)))
+            .filter(|(_, depth)| *depth != LimbDepth::default())
+            .collect();
         self.edit(texts::EDIT_MOVE_KEY, |session| {
+            for (limb, depth) in &depths {
+                session.set_depth(*limb, from, LimbDepth::default())?;
+                session.set_depth(*limb, to, *depth)?;
+            }
             for (limb, stroke) in &strokes {
                 session.remove_stroke(*limb as u32, from)?;
                 session.set_stroke(*limb as u32, to, &stroke.points, stroke.facing)?;
             }
             Ok(())
         })
-    }
-
-    /// What is made of it.
-    pub(crate) fn door(&self) -> Door {
-        self.notes().door
-    }
-
-    fn notes(&self) -> Notes {
-        self.part(Part::Notes).and_then(|notes| serde_json::from_slice(notes).ok()).unwrap_or_default()
-    }
-
-    /// How a motion is carried over.
-    pub(crate) fn character_notes(&self) -> CharacterNotes {
-        self.notes().character
-    }
-
-    pub(crate) fn set_character_notes(&mut self, label: &str, character: &CharacterNotes) -> Result<()> {
-        self.set_notes(label, &Notes { character: character.clone(), ..self.notes() })
-    }
-
-    /// The time that what is made takes.
-    pub(crate) fn timing(&self) -> Timing {
-        self.notes().timing
-    }
-
-    pub(crate) fn set_timing(&mut self, timing: Timing) -> Result<()> {
-        self.set_notes(texts::EDIT_TIMING, &Notes { timing, ..self.notes() })
-    }
-
-    fn set_notes(&mut self, label: &str, notes: &Notes) -> Result<()> {
-        let json = serde_json::to_vec(notes).unwrap_or_default();
-        self.set_parts(label, &[(Part::Notes, Some(&json))])
     }
 
     /// The bytes of a part.
@@ -392,6 +387,19 @@ impl Document {
     /// Sets parts, one step of undo.
     pub(crate) fn set_parts(&mut self, label: &str, parts: Parts<'_>) -> Result<()> {
         self.edit(label, |session| parts.iter().try_for_each(|(part, bytes)| session.set_part(*part, *bytes)))
+    }
+
+    /// Chooses the clip, or none, with parts that go with it; one step of undo.
+    pub(crate) fn set_clip(&mut self, label: &str, clip: Option<&Clip>, parts: Parts<'_>) -> Result<()> {
+        let there = self.state.has_clip;
+        // It is opened anew by whoever reads the session.
+        self.clip = None;
+        self.edit(label, |session| {
+            if clip.is_some() || there {
+                session.set_clip(clip)?;
+            }
+            parts.iter().try_for_each(|(part, bytes)| session.set_part(*part, *bytes))
+        })
     }
 
     /// Marks points otherwise, one step of undo.
@@ -494,8 +502,13 @@ impl Document {
         }
         self.keys = rig.key_frames()?;
         self.strokes.clear();
+        self.depths.clear();
         for frame in &self.keys {
             for limb in 0..self.limbs.len() {
+                let depth = rig.depth(limb as u32, *frame)?;
+                if depth != LimbDepth::default() {
+                    self.depths.insert((limb, *frame), depth);
+                }
                 if let Some(stroke) = rig.stroke(limb as u32, *frame)? {
                     self.strokes.insert((limb, *frame), stroke);
                 }

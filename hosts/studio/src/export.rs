@@ -21,7 +21,7 @@ use crate::picker::Ask;
 use crate::playback::Played;
 use crate::running::{Purpose, Running};
 use crate::theme::{self, Palette};
-use crate::{texts, view3d, widgets};
+use crate::{looking, texts, view3d, widgets};
 
 /// Pixels of the preview, which lies on as many points at most.
 const PREVIEW: (u32, u32) = (300, 225);
@@ -478,7 +478,7 @@ impl ExportDialog {
         let at = Rect::from_center_size(rect.center(), vec2(size.0 as f32, size.1 as f32));
         match (settings.background, settings.format(exported.door()).animation()) {
             (Some([r, g, b]), Some(_)) => drop(ui.painter().rect_filled(at, 0.0, Color32::from_rgb(r, g, b))),
-            _ if exported.door() == Door::Creature => checkers(ui, at),
+            _ if exported.door() == Door::Creature => looking::checkers(ui.painter(), at, ui.visuals().dark_mode),
             // Ink is seen on paper.
             _ => drop(ui.painter().rect_filled(at, 0.0, Color32::WHITE)),
         }
@@ -643,20 +643,6 @@ fn background(ui: &mut eframe::egui::Ui, settings: &mut ExportSettings, opaque: 
     }
     if let Some(color) = &mut settings.background {
         ui.color_edit_button_srgb(color).accessible_name(texts::COLOR_NAME);
-    }
-}
-
-/// What is see-through.
-fn checkers(ui: &eframe::egui::Ui, at: Rect) {
-    const SIDE: f32 = 10.0;
-    let dark = ui.visuals().dark_mode;
-    let shades = if dark { [44, 56] } else { [236, 250] };
-    let painter = ui.painter().with_clip_rect(at);
-    painter.rect_filled(at, 0.0, Color32::from_gray(shades[0]));
-    let (columns, rows) = ((at.width() / SIDE).ceil() as i32, (at.height() / SIDE).ceil() as i32);
-    for (x, y) in (0..rows).flat_map(|y| (0..columns).map(move |x| (x, y))).filter(|(x, y)| (x + y) % 2 == 1) {
-        let corner = at.min + vec2(x as f32, y as f32) * SIDE;
-        painter.rect_filled(Rect::from_min_size(corner, vec2(SIDE, SIDE)), 0.0, Color32::from_gray(shades[1]));
     }
 }
 

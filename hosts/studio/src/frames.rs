@@ -15,10 +15,11 @@ const AHEAD: u64 = 6;
 /// Small pictures on the timeline, and how high they are in pixels.
 const SMALL: (u64, usize) = (24, 72);
 
-/// What a decoder found: a frame or a small one.
-type Decoded = (u64, bool, Result<ColorImage, String>);
+/// What a decoder found: a frame or a small one, and whether something behind it can be seen.
+type Decoded = (u64, bool, Result<(ColorImage, bool), String>);
 
 pub(crate) struct Frames {
+    clip: Arc<Clip>,
     shared: Arc<Shared>,
     decoded: Receiver<Decoded>,
     pictures: HashMap<u64, TextureHandle>,
@@ -28,6 +29,8 @@ pub(crate) struct Frames {
     shown: Option<u64>,
     small: Vec<(u64, Option<TextureHandle>)>,
     failed: Option<String>,
+    /// Whether something behind any of its pictures can be seen.
+    pub(crate) see_through: bool,
 }
 
 #[derive(Debug)]
@@ -60,9 +63,11 @@ impl Frames {
         let shared = Arc::new(Shared { wanted: Mutex::new(wanted), wake: Condvar::new() });
         let (send, decoded) = channel();
         let (worker, ui, size) = (shared.clone(), ui.clone(), [info.width as usize, info.height as usize]);
-        std::thread::spawn(move || decode(&worker, &clip, frames, size, &send, &ui));
+        let of = clip.clone();
+        std::thread::spawn(move || decode(&worker, &of, frames, size, &send, &ui));
         let bytes = 4 * size[0] * size[1];
         Self {
+            clip,
             shared,
             decoded,
             pictures: HashMap::new(),
@@ -71,7 +76,13 @@ impl Frames {
             shown: None,
             small: small.into_iter().map(|frame| (frame, None)).collect(),
             failed: None,
+            see_through: false,
         }
+    }
+
+    /// Of which clip they are.
+    pub(crate) fn clip(&self) -> &Arc<Clip> {
+        &self.clip
     }
 
     /// Takes in what was decoded, and asks for `frame`. Gives what went wrong, once.
@@ -79,7 +90,10 @@ impl Frames {
         let mut failed = None;
         for (at, small, picture) in self.decoded.try_iter() {
             let picture = match picture {
-                Ok(picture) => ui.load_texture(format!("frame {at}"), picture, TextureOptions::LINEAR),
+                Ok((picture, see_through)) => {
+                    self.see_through |= see_through;
+                    ui.load_texture(format!("frame {at}"), picture, TextureOptions::LINEAR)
+                }
                 Err(message) => {
                     failed = Some(message);
                     continue;
@@ -153,15 +167,32 @@ fn decode(shared: &Shared, clip: &Clip, frames: u64, size: [usize; 2], send: &Se
                 wanted = shared.wake.wait(wanted).unwrap_or_else(PoisonError::into_inner);
             }
         };
-        let picture = clip
-            .frame(frame)
-            .map_err(|e| e.to_string())
-            .map(|rgb| if small { smaller(&rgb, size, SMALL.1) } else { ColorImage::from_rgb(size, &rgb) });
+        let picture = clip.frame(frame).and_then(|rgb| Ok((rgb, clip.alpha(frame)?))).map_err(|e| e.to_string());
+        let picture = picture.map(|(rgb, alpha)| {
+            let opaque = alpha.iter().all(|a| *a == 255);
+            let picture = match (small, opaque) {
+                (true, true) => smaller(&rgb, size, SMALL.1),
+                (true, false) => smaller(&on_white(&rgb, &alpha), size, SMALL.1),
+                (false, true) => ColorImage::from_rgb(size, &rgb),
+                (false, false) => ColorImage::from_rgba_unmultiplied(size, &with_alpha(&rgb, &alpha)),
+            };
+            (picture, !opaque)
+        });
         if send.send((frame, small, picture)).is_err() {
             return;
         }
         ui.request_repaint();
     }
+}
+
+fn with_alpha(rgb: &[u8], alpha: &[u8]) -> Vec<u8> {
+    rgb.as_chunks::<3>().0.iter().zip(alpha).flat_map(|(&[r, g, b], a)| [r, g, b, *a]).collect()
+}
+
+/// As it looks on paper.
+fn on_white(rgb: &[u8], alpha: &[u8]) -> Vec<u8> {
+    let over = |c: u8, a: u8| 255 - ((255 - u32::from(c)) * u32::from(a) / 255) as u8;
+    rgb.as_chunks::<3>().0.iter().zip(alpha).flat_map(|(pixel, a)| pixel.map(|c| over(c, *a))).collect()
 }
 
 /// A picture of that height, each pixel the mean of those that it covers.
@@ -198,6 +229,8 @@ mod tests {
         let rgb: Vec<u8> = (0..8).flat_map(|i| if i % 2 == 0 { [0; 3] } else { [200; 3] }).collect();
         let small = smaller(&rgb, [2, 4], 2);
         assert_eq!((small.size, small.pixels), ([1, 2], vec![Color32::from_gray(100); 2]));
+        assert_eq!(on_white(&[0, 100, 255, 9, 9, 9], &[255, 0]), [0, 100, 255, 255, 255, 255]);
+        assert_eq!(with_alpha(&[1, 2, 3, 4, 5, 6], &[7, 8]), [1, 2, 3, 7, 4, 5, 6, 8]);
         assert_eq!(smaller(&rgb, [2, 4], 99).size, [2, 4], "never larger");
     }
 }

@@ -7,6 +7,7 @@ use marey_binding::{Facing, Side};
 
 use crate::document::Document;
 use crate::icons::Icon;
+use crate::overlaps::{self, Overlap};
 use crate::shortcuts::Command;
 use crate::theme::{self, Palette};
 use crate::{texts, widgets};
@@ -20,6 +21,12 @@ pub(crate) enum Asked {
     Side(usize, Side),
     Facing(usize, Facing),
     RemoveStroke(usize),
+    /// In front of another, or behind it.
+    Order {
+        limb: usize,
+        before: bool,
+        other: usize,
+    },
     RemoveLimb(usize),
 }
 
@@ -37,7 +44,13 @@ const SIDES: [(Side, &str); 4] = [
 ];
 
 impl LimbsPanel {
-    pub(crate) fn show(&mut self, ui: &mut Ui, document: &Document, frame: u64, selected: Option<usize>) -> Vec<Asked> {
+    pub(crate) fn show(
+        &mut self,
+        ui: &mut Ui,
+        document: &Document,
+        (frame, overlaps): (u64, &[Overlap]),
+        selected: Option<usize>,
+    ) -> Vec<Asked> {
         let mut asked = Vec::new();
         ui.horizontal(|ui| {
             widgets::section(ui, &texts::limbs(document.limbs.len()));
@@ -50,7 +63,8 @@ impl LimbsPanel {
         if document.limbs.is_empty() {
             widgets::remark(ui, texts::NO_LIMBS);
         }
-        let below = if selected.is_some() { 150.0 } else { 60.0 };
+        // The longest of what is below, so that the list does not jump from frame to frame.
+        let below = if selected.is_some() { 230.0 } else { 60.0 };
         ScrollArea::vertical().max_height((ui.available_height() - below).max(80.0)).show(ui, |ui| {
             ui.spacing_mut().item_spacing.y = 2.0;
             for limb in 0..document.limbs.len() {
@@ -59,7 +73,10 @@ impl LimbsPanel {
         });
         ui.add_space(theme::GAP);
         match selected.filter(|limb| *limb < document.limbs.len()) {
-            Some(limb) => details(ui, document, frame, limb, &mut asked),
+            Some(limb) => {
+                details(ui, document, frame, limb, &mut asked);
+                order(ui, document, overlaps, limb, &mut asked);
+            }
             None => {
                 widgets::remark(ui, texts::DRAWS_NEW);
             }
@@ -119,6 +136,29 @@ impl LimbsPanel {
                     asked.push(Asked::RemoveLimb(index));
                 }
             });
+        });
+    }
+}
+
+/// Which limbs the selected one lies before, and behind which.
+fn order(ui: &mut Ui, document: &Document, overlaps: &[Overlap], limb: usize, asked: &mut Vec<Asked>) {
+    let mut crossed = overlaps::of(overlaps, limb).peekable();
+    if crossed.peek().is_none() {
+        return;
+    }
+    ui.add_space(theme::GAP);
+    widgets::remark(ui, texts::CROSSES);
+    for (before, other) in crossed {
+        let label = document.limbs.get(other).map_or("", |l| &l.label);
+        ui.horizontal_wrapped(|ui| {
+            ui.spacing_mut().item_spacing.x = 2.0;
+            for (side, text) in [(true, texts::in_front_of(label)), (false, texts::behind(label))] {
+                let hint = crate::shortcuts::hint(ui.ctx(), texts::ORDER_HINT, Command::Order);
+                let button = ui.add(Button::selectable(before == side, text)).on_hover_text(hint);
+                if button.clicked() && before != side {
+                    asked.push(Asked::Order { limb, before: side, other });
+                }
+            }
         });
     }
 }

@@ -55,6 +55,15 @@ impl Marks {
         keys.sort_by_key(|k| k.frame);
     }
 
+    /// The same for a new point of this name.
+    pub(crate) fn put_named(&mut self, name: &str, frame: u64, at: (f32, f32)) {
+        let point = self.points.len();
+        self.put(point, frame, at);
+        if let Some(point) = self.points.last_mut() {
+            name.clone_into(&mut point.name);
+        }
+    }
+
     /// Takes a point's mark on a frame away, and the point with its last.
     pub(crate) fn take(&mut self, point: usize, frame: u64) {
         if let Some(mark) = self.points.get_mut(point) {

@@ -67,6 +67,24 @@ impl Moving {
     }
 }
 
+/// A motion of one frame, as the text of a motion.json: what stands still.
+pub(crate) fn one_frame(points: &[(&str, (f32, f32))], size: (f32, f32)) -> String {
+    let track = |(name, at): &(&str, (f32, f32))| {
+        let frame = serde_json::json!({ "points": [at], "visible": [true], "confidence": [1.0] });
+        serde_json::json!({ "name": name, "kind": "point", "frames": [frame] })
+    };
+    let side = |v: f32| v.ceil().max(1.0) as u32;
+    let motion = serde_json::json!({
+        "format": "marey-motion",
+        "version": 1,
+        "size": [side(size.0), side(size.1)],
+        "fps": 24.0,
+        "frames": 1,
+        "tracks": points.iter().map(track).collect::<Vec<_>>(),
+    });
+    motion.to_string()
+}
+
 /// What is to be drawn.
 #[derive(Debug, Default)]
 struct Wanted {

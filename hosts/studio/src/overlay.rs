@@ -16,11 +16,13 @@ pub(crate) struct Overlays {
     pub(crate) tracks: bool,
     pub(crate) paths: bool,
     pub(crate) mask: bool,
+    /// Which of two limbs is in front.
+    pub(crate) overlaps: bool,
 }
 
 impl Default for Overlays {
     fn default() -> Self {
-        Self { strokes: true, tracks: true, paths: false, mask: false }
+        Self { strokes: true, tracks: true, paths: false, mask: false, overlaps: true }
     }
 }
 
@@ -67,26 +69,34 @@ pub(crate) fn tracks(painter: &Painter, placed: Placement, document: &Document, 
 }
 
 /// Where the limbs' ends go over the whole clip, red where they are not sure.
-pub(crate) fn paths(painter: &Painter, placed: Placement, document: &Document, frame: u64, selected: Option<usize>) {
+/// `numbers` are those of the limbs, or points, for colours and for which is selected.
+pub(crate) fn paths(
+    painter: &Painter,
+    placed: Placement,
+    document: &Document,
+    frame: u64,
+    selected: Option<usize>,
+    numbers: &[usize],
+) {
     let Some(tracked) = &document.tracked else { return };
     for (limb, frames) in tracked.limbs.iter().enumerate() {
-        if selected.is_some_and(|s| s != limb) {
+        let Some(number) = numbers.get(limb).copied().filter(|number| selected.is_none_or(|s| s == *number)) else {
             continue;
-        }
+        };
         let end = |i: usize| Some((placed.to_screen(*frames[i].points.last()?), *frames[i].confidence.last()?));
         for i in 1..frames.len() {
             let (Some(from), Some(to)) = (end(i - 1), end(i)) else { continue };
-            let color = theme::trusted(theme::limb(limb), from.1.min(to.1));
+            let color = theme::trusted(theme::limb(number), from.1.min(to.1));
             painter.line_segment([from.0, to.0], Stroke::new(1.6, color));
         }
         for key in &document.keys {
             if let Some(at) = document.stroke(limb, *key).and_then(|s| s.points.last()) {
                 let outline = Stroke::new(1.0, UNDER);
-                crate::icons::diamond(painter, placed.to_screen(*at), 4.0, theme::limb(limb), outline);
+                crate::icons::diamond(painter, placed.to_screen(*at), 4.0, theme::limb(number), outline);
             }
         }
         if let Some((now, _)) = (frame < frames.len() as u64).then(|| end(frame as usize)).flatten() {
-            painter.circle_filled(now, 4.0, theme::limb(limb));
+            painter.circle_filled(now, 4.0, theme::limb(number));
         }
     }
 }

@@ -74,7 +74,9 @@ impl PathField {
 /// What stands in the field first.
 fn beginning(ask: &Ask, home: &Path) -> String {
     let path = match ask {
-        Ask::Clip | Ask::DrawingClip | Ask::Picture | Ask::Drawing | Ask::Motion | Ask::Session => home.join(""),
+        Ask::Clip | Ask::DrawingClip | Ask::Picture | Ask::Drawing | Ask::Motion | Ask::MotionClip | Ask::Session => {
+            home.join("")
+        }
         Ask::SaveAs { folder, name } | Ask::ExportFile { folder, name } => folder.join(name),
         Ask::ExportFolder { folder } => folder.join(""),
     };
@@ -89,7 +91,7 @@ fn resolve(typed: &str, ask: &Ask, home: &Path) -> Result<PathBuf, String> {
         None => home.join(typed),
     };
     let folder = match ask {
-        Ask::Clip | Ask::DrawingClip | Ask::Picture | Ask::Drawing | Ask::Motion | Ask::Session => {
+        Ask::Clip | Ask::DrawingClip | Ask::Picture | Ask::Drawing | Ask::Motion | Ask::MotionClip | Ask::Session => {
             return if path.exists() { Ok(path) } else { Err(texts::not_there(&path)) };
         }
         Ask::SaveAs { .. } | Ask::ExportFile { .. } if path.is_dir() || path.file_name().is_none() => {

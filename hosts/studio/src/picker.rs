@@ -25,6 +25,8 @@ pub(crate) enum Ask {
     Drawing,
     /// A motion for a character.
     Motion,
+    /// A clip that a character's motion is taken from.
+    MotionClip,
     /// A name for the session.
     SaveAs { folder: PathBuf, name: String },
     /// A file for the export.
@@ -110,6 +112,7 @@ impl Ask {
             Self::Picture => texts::PICK_PICTURE,
             Self::Drawing => texts::PICK_DRAWING,
             Self::Motion => texts::PICK_MOTION,
+            Self::MotionClip => texts::PICK_MOTION_CLIP,
             Self::Session => texts::PICK_SESSION,
             Self::SaveAs { .. } => texts::SAVE_AS,
             Self::ExportFile { .. } | Self::ExportFolder { .. } => texts::EXPORT_TO,
@@ -121,7 +124,7 @@ fn dialog(ask: &Ask) -> Option<PathBuf> {
     let dialog = rfd::FileDialog::new().set_title(ask.title());
     let start = |folder: &Path| dialog.clone().set_directory(folder);
     match ask {
-        Ask::Clip | Ask::DrawingClip => dialog.add_filter(texts::CLIPS, &CLIPS).pick_file(),
+        Ask::Clip | Ask::DrawingClip | Ask::MotionClip => dialog.add_filter(texts::CLIPS, &CLIPS).pick_file(),
         Ask::Picture => dialog.add_filter(texts::PICTURES_OF, &PICTURES).pick_file(),
         Ask::Drawing => dialog.add_filter(texts::DRAWINGS, &["svg"]).pick_file(),
         Ask::Motion => dialog.add_filter(texts::MOTIONS, &MOTIONS).pick_file(),

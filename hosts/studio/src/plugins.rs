@@ -196,6 +196,7 @@ fn watch(
     first: &FirstLook,
 ) {
     let mut last = None;
+    let mut loaded: Vec<String> = Vec::new();
     let mut next = Ask::Look;
     loop {
         let done = match &next {
@@ -207,21 +208,18 @@ fn watch(
         if let Err(e) = done {
             let _ = send.send(Err(e.to_string()));
         }
-        let found = context.rescan_plugins().and_then(|_| {
-            let all = context.plugins()?;
-            for plugin in all {
-                // Once: from then on what is chosen is what the plugin has.
-                let Some(wanted) = remembered.remove(&plugin.id) else { continue };
-                for (name, value) in &wanted.values {
-                    // A parameter that a new build has no more is no loss.
-                    let _ = set(context, &plugin.id, name, value);
-                }
-                if wanted.off {
-                    context.set_plugin_enabled(&plugin.id, false)?;
-                }
+        let found = look(context, &mut remembered).and_then(|found| {
+            let is_loaded = |file: &String| found.loaded.iter().any(|l| l.plugin.file == *file);
+            if found.failed.is_empty() || loaded.iter().all(is_loaded) {
+                return Ok(found);
             }
-            find(context)
+            // What was refused for what another file brought, as a build under another name is, may be good now.
+            found.failed.iter().for_each(|failed| drop(context.retry_plugin(&failed.file)));
+            look(context, &mut remembered)
         });
+        if let Ok(found) = &found {
+            loaded = found.loaded.iter().map(|l| l.plugin.file.clone()).collect();
+        }
         first.done();
         let found = found.map_err(|e| e.to_string());
         if last.as_ref() != Some(&found) {
@@ -237,6 +235,23 @@ fn watch(
             Err(RecvTimeoutError::Disconnected) => return,
         };
     }
+}
+
+/// Looks through the folders, and lets what is remembered of new plugins be so.
+fn look(context: &Context, remembered: &mut AllRemembered) -> marey_binding::Result<Found> {
+    context.rescan_plugins()?;
+    for plugin in context.plugins()? {
+        // Once: from then on what is chosen is what the plugin has.
+        let Some(wanted) = remembered.remove(&plugin.id) else { continue };
+        for (name, value) in &wanted.values {
+            // A parameter that a new build has no more is no loss.
+            let _ = set(context, &plugin.id, name, value);
+        }
+        if wanted.off {
+            context.set_plugin_enabled(&plugin.id, false)?;
+        }
+    }
+    find(context)
 }
 
 fn set(context: &Context, id: &str, name: &str, value: &Value) -> marey_binding::Result<()> {

@@ -28,7 +28,7 @@ pub(crate) const FOX: &str = "A fox that walks";
 pub(crate) const FOX_TEXT: &str = "Drawn on three frames already. Opens, is made into a creature, and plays.";
 pub(crate) const OPEN_FOX: &str = "Open the sample: a fox that walks";
 pub(crate) const CHILD: &str = "A girl who waves";
-pub(crate) const CHILD_TEXT: &str = "A child's drawing with a skeleton. Opens, and walks.";
+pub(crate) const CHILD_TEXT: &str = "A child's drawing with a skeleton. Opens, waves, and steps on the spot.";
 pub(crate) const OPEN_CHILD: &str = "Open the sample: a girl who waves";
 pub(crate) const HORSE: &str = "A horse that gallops";
 pub(crate) const HORSE_TEXT: &str = "Sixteen lines that take the gallop of a clip. Opens, and plays.";
@@ -51,6 +51,7 @@ pub(crate) const PICK_PICTURE: &str = "Choose a picture of a drawing";
 pub(crate) const PICTURES_OF: &str = "Pictures";
 pub(crate) const PICK_DRAWING: &str = "Choose a vector drawing";
 pub(crate) const DRAWINGS: &str = "SVG drawings";
+pub(crate) const PICK_MOTION_CLIP: &str = "Choose a clip to take the motion from";
 pub(crate) const PICK_MOTION: &str = "Choose a motion";
 pub(crate) const MOTIONS: &str = "Motions, BVH files and sessions";
 pub(crate) const EXPORT_TO: &str = "Export to";
@@ -72,6 +73,7 @@ pub(crate) const EDIT_OPEN: &str = "opening the clip";
 pub(crate) const EDIT_ADD_LIMB: &str = "new limb";
 pub(crate) const EDIT_DRAW: &str = "stroke";
 pub(crate) const EDIT_FACING: &str = "facing";
+pub(crate) const EDIT_ORDER: &str = "which limb is in front";
 pub(crate) const EDIT_REMOVE_STROKE: &str = "removing a stroke";
 pub(crate) const EDIT_REMOVE_LIMB: &str = "removing a limb";
 pub(crate) const EDIT_NAME_LIMB: &str = "limb's name and side";
@@ -98,6 +100,7 @@ pub(crate) const EDIT_PICTURE: &str = "another picture";
 pub(crate) const EDIT_JOINT: &str = "moving a joint";
 pub(crate) const EDIT_SKELETON: &str = "proposing the skeleton";
 pub(crate) const EDIT_MOTION: &str = "another motion";
+pub(crate) const EDIT_CLIP: &str = "a clip to take the motion from";
 pub(crate) const EDIT_FOLLOWS: &str = "what a joint follows";
 
 // The bar.
@@ -133,6 +136,7 @@ pub(crate) const STROKES: &str = "Strokes";
 pub(crate) const TRACKS: &str = "Tracked";
 pub(crate) const PATHS: &str = "Paths";
 pub(crate) const MASK: &str = "Mask";
+pub(crate) const OVERLAPS: &str = "Overlaps";
 pub(crate) const TOOL_LIMBS: &str = "Draw limbs";
 pub(crate) const TOOL_CREATURE: &str = "Paint what is the creature";
 pub(crate) const TOOL_BESIDE: &str = "Paint what is not the creature";
@@ -173,6 +177,8 @@ pub(crate) const SOFT: &str = "soft";
 pub(crate) const STIFF: &str = "stiff";
 pub(crate) const MOVE_FIRST: &str = "Nothing moves yet. Go through the steps on the left first.";
 
+pub(crate) const ALL_FOLLOWED: &str = "Every point is followed.";
+
 // A character that moves.
 pub(crate) const PICTURE: &str = "PICTURE";
 pub(crate) const OTHER_PICTURE: &str = "Another picture…";
@@ -185,6 +191,14 @@ pub(crate) const MOTION: &str = "MOTION";
 pub(crate) const OUR_MOTIONS: &str = "One of our motions";
 pub(crate) const CHOOSE_MOTION: &str = "Choose a motion…";
 pub(crate) const CHOOSE_MOTION_HINT: &str = "A motion.json, a BVH file, or a session in which something was tracked";
+pub(crate) const CAPTURE: &str = "From a clip…";
+pub(crate) const CAPTURE_HINT: &str = "Mark the joints on a clip of somebody who moves, and they are followed";
+pub(crate) const ON_CLIP: &str = "Clip";
+pub(crate) const MARK_JOINTS: &str =
+    "Click on the clip where each joint is: the one that is to be next is bright on the drawing.";
+pub(crate) const NEXT_MARK_JOINTS: &str = "Next: mark joints";
+pub(crate) const MARKS_OF_ANOTHER: &str = "The joints of another drawing were marked on the clip. This one takes the same motion. Select a joint to say what it follows.";
+pub(crate) const SELECT_JOINT: &str = "Select a joint on the drawing, and click where it is on the clip.";
 pub(crate) const CARRIED: &str = "HOW IT FOLLOWS";
 pub(crate) const ABSOLUTE: &str = "Limbs point as the motion's do";
 pub(crate) const ABSOLUTE_HINT: &str = "Else each turns as much as the motion's, from where it was drawn";
@@ -216,6 +230,13 @@ pub(crate) const FACING_TOWARD: &str = "nearer";
 pub(crate) const FACING_TOWARD_HINT: &str = "It points toward the camera";
 pub(crate) const FACING_AWAY: &str = "farther";
 pub(crate) const FACING_AWAY_HINT: &str = "It points away from the camera";
+pub(crate) const CROSSES: &str = "On this frame it is";
+pub(crate) const ORDER_HINT: &str =
+    "It holds here, and fades toward the key frames around. Update the creature to see it.";
+pub(crate) const ORDER_UNSAID: &str = "As the machine has it";
+pub(crate) const MAKE_TO_ORDER: &str =
+    "Make the creature first. Then it can be said which of two limbs is in front, where they cross.";
+pub(crate) const SELECT_TO_ORDER: &str = "Select the limb that is to be in front, or click where it crosses another.";
 pub(crate) const REMOVE_STROKE: &str = "Remove its stroke here";
 
 // Time.
@@ -337,6 +358,7 @@ pub(crate) const DO_START: &str = "To the start";
 pub(crate) const DO_NEW_LIMB: &str = "Draw a new limb";
 pub(crate) const DO_NEXT_LIMB: &str = "Select the next limb";
 pub(crate) const DO_REMOVE_STROKE: &str = "Remove the limb's stroke here";
+pub(crate) const DO_ORDER: &str = "In front of what it crosses, or behind";
 pub(crate) const DO_FACING: &str = "Its end: level, nearer, farther";
 pub(crate) const DO_TOOL_LIMBS: &str = "Draw limbs";
 pub(crate) const DO_TOOL_CREATURE: &str = "Paint the creature";
@@ -361,6 +383,8 @@ pub(crate) const DO_STROKES: &str = "Show strokes";
 pub(crate) const DO_TRACKS: &str = "Show tracked limbs";
 pub(crate) const DO_PATHS: &str = "Show paths";
 pub(crate) const DO_MASK: &str = "Show the mask";
+pub(crate) const DO_OVERLAPS: &str = "Show which limb is in front";
+pub(crate) const DO_CLIP: &str = "The clip of a character's motion, or its drawing";
 pub(crate) const DO_NEXT_STYLE: &str = "Next style of the creature";
 pub(crate) const DO_AS_FILMED: &str = "Creature as it was filmed";
 pub(crate) const DO_EXPORT: &str = "Export";
@@ -378,7 +402,7 @@ pub(crate) const USE_KEY: &str = "Use them here";
 pub(crate) const RESET_KEYS: &str = "All keys as they were";
 pub(crate) const KEY_MOVES: &str = "This key moves through every window, and stays what it is. Press others.";
 pub(crate) const KEY_EDITS: &str = "These keys copy and paste text, and stay what they are. Press others.";
-pub(crate) const MOUSE_HELP: &str = "Wheel: nearer, farther. Space or the middle button, held: move the clip. Click on a limb: select it. Right click on its end: level, nearer, farther. Diamonds on the timeline can be dragged.";
+pub(crate) const MOUSE_HELP: &str = "Wheel: nearer, farther. Space or the middle button, held: move the clip. Click on a limb: select it. Right click on its end: level, nearer, farther. Click on a mark where two limbs cross: the other one is in front; a right click on a limb asks. Diamonds on the timeline can be dragged.";
 
 pub(crate) fn no_window(why: &str) -> String {
     format!(
@@ -492,6 +516,19 @@ pub(crate) fn skeleton(joints: usize) -> String {
     if joints == 0 { "SKELETON".into() } else { format!("SKELETON · {joints} joints") }
 }
 
+/// What to click on next; which are left out is up to a person.
+pub(crate) fn mark_joint(number: usize, joint: Option<&str>, marked: usize, joints: usize) -> String {
+    let number = number + 1;
+    let which = joint.map_or_else(|| number.to_string(), |joint| format!("{number}, {joint},"));
+    format!(
+        "Click where joint {which} is: it is bright on the drawing. {marked} of {joints} are marked; leave out what cannot be seen."
+    )
+}
+
+pub(crate) fn marked_joints(marked: usize, joints: usize) -> String {
+    format!("{marked} of {joints} joints are marked on the clip. Where one strays, drag it back on that frame.")
+}
+
 pub(crate) fn follows(joint: &str) -> String {
     format!("{joint} follows")
 }
@@ -526,6 +563,23 @@ pub(crate) fn remove_limb(label: &str) -> String {
 
 pub(crate) fn draws_again(label: &str) -> String {
     format!("The next stroke draws {label} on this frame, which becomes a key frame.")
+}
+
+pub(crate) fn in_front_of(label: &str) -> String {
+    format!("In front of {label}")
+}
+
+pub(crate) fn behind(label: &str) -> String {
+    format!("Behind {label}")
+}
+
+/// What a mark of two limbs says when the pointer is over it.
+pub(crate) fn overlap(front: &str, behind: &str) -> String {
+    format!("{front} is in front of {behind}. Click if it is behind.")
+}
+
+pub(crate) fn crosses_nothing(label: &str) -> String {
+    format!("{label} crosses no other limb on this frame.")
 }
 
 pub(crate) fn timeline_name(frame: u64, frames: u64) -> String {
@@ -609,6 +663,7 @@ pub(crate) fn percent(fraction: f64) -> String {
 pub(crate) fn stage(stage: &str) -> &str {
     match stage {
         "" | "waiting" => "Waiting for its turn",
+        "reading" => "Reading the clip",
         "tracking" => "Following the limbs",
         "segmenting" => "Cutting it out",
         "reconstructing" | "fitting" => "Building the body",

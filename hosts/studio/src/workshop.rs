@@ -1,6 +1,7 @@
 //! What the doors of characters and drawings have in common: the document, what runs, what plays, and the way out.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use eframe::egui::{Context as Gui, Frame, Margin, Panel, RichText, Slider, Ui};
 
@@ -16,6 +17,9 @@ use crate::shortcuts::Command;
 use crate::theme::{self, Palette};
 use crate::timeline::Timeline;
 use crate::{canvas, texts, timing, widgets};
+
+/// How high the line is that says how far what runs is.
+const PROGRESS: f32 = 44.0;
 
 /// How a step ended.
 #[derive(Debug)]
@@ -53,6 +57,18 @@ impl Workshop {
             moving: None,
             pictures: MovingPictures::new(gui),
             document,
+        }
+    }
+
+    /// Another clip is shown from now on, where the document has another.
+    pub(crate) fn follow_clip(&mut self, gui: &Gui) {
+        let clip = self.document.clip.as_ref();
+        if self.frames.as_ref().map(Frames::clip).map(Arc::as_ptr) == clip.map(|(clip, _)| Arc::as_ptr(clip)) {
+            return;
+        }
+        self.frames = clip.map(|(clip, info)| Frames::new(gui, clip.clone(), info));
+        if let Some((_, info)) = clip.filter(|_| self.moving.is_none()) {
+            self.playback = Playback::new(info.frames, info.fps, self.playback.looped);
         }
     }
 
@@ -109,16 +125,26 @@ impl Workshop {
         None
     }
 
-    /// How far what runs is; short steps go without a word.
+    /// How far what runs is; short steps go without a word. Over a clip there is always room for it: each mark is followed
+    /// anew, and what is clicked on must not move.
     pub(crate) fn show_progress(&mut self, ui: &mut Ui) {
         let (palette, frames) = (Palette::of(ui), self.document.frames());
-        let Some(running) = &mut self.running else { return };
-        ui.ctx().request_repaint_after(std::time::Duration::from_millis(50));
-        if !running.is_long() {
+        if self.running.is_some() {
+            ui.ctx().request_repaint_after(std::time::Duration::from_millis(50));
+        }
+        let mut running = self.running.as_mut().filter(|running| running.is_long());
+        if running.is_none() && self.document.clip.is_none() {
             return;
         }
+        let followed = self.document.tracked.as_ref().map_or(0, |tracked| tracked.limbs.len());
         let plain = Frame::new().fill(palette.panel).inner_margin(Margin::symmetric(theme::PAD, 8));
-        Panel::top("progress").frame(plain).show(ui, |ui| running.show(ui, frames));
+        Panel::top("progress").frame(plain).exact_size(PROGRESS).show(ui, |ui| match &mut running {
+            Some(running) => running.show(ui, frames),
+            None if followed == 0 || followed < self.document.marks.points.len() => {}
+            None => {
+                ui.horizontal_centered(|ui| widgets::remark(ui, texts::ALL_FOLLOWED));
+            }
+        });
     }
 
     /// Playing without a clip.

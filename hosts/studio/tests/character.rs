@@ -5,11 +5,12 @@ mod common;
 
 use std::path::Path;
 
-use common::Desk;
+use common::{BAR_FRAMES, Desk, legs};
 use egui_kittest::kittest::Queryable as _;
 use marey_studio::egui::{Key, Modifiers};
 
 const CTRL: Modifiers = Modifiers::COMMAND;
+const CTRL_SHIFT: Modifiers = Modifiers::COMMAND.plus(Modifiers::SHIFT);
 
 fn settle(desk: &mut Desk, moves: bool) {
     let so = move |o: marey_studio::Open<'_>| !o.joints().is_empty() && !o.is_busy() && o.moves() == moves;
@@ -143,4 +144,120 @@ fn what_is_no_picture_and_no_motion_is_said() {
     desk.drop_file(&motion);
     desk.wait("the message", |s| s.notices().iter().any(|n| n.contains("walk.bvh")));
     settle(&mut desk, false);
+}
+
+/// A desk with the figure and a clip, on which nothing is marked yet.
+fn with_clip() -> Desk {
+    let mut desk = Desk::new();
+    let (picture, clip) = (figure(desk.folder.path()), legs(desk.folder.path()));
+    desk.harness.state_mut().open_picture(&picture);
+    desk.wait_open();
+    settle(&mut desk, false);
+    desk.click("From a clip…");
+    desk.type_path(clip.to_str().unwrap());
+    desk.wait("the clip", |s| s.open().is_some_and(|o| !o.is_busy() && o.on_clip((0.0, 0.0)) != o.on_clip((1.0, 0.0))));
+    desk.harness.run_steps(3);
+    desk
+}
+
+/// Where joints are marked on the clip: body and legs, as they come.
+const MARKS: [(f32, f32); 5] = [(48.0, 18.0), (20.0, 18.0), (72.0, 18.0), (62.0, 54.0), (34.0, 54.0)];
+
+fn mark(desk: &mut Desk, count: usize) {
+    for at in &MARKS[..count] {
+        let at = desk.open().on_clip(*at);
+        desk.click_at(at);
+    }
+    settle(desk, true);
+}
+
+#[test]
+fn a_motion_is_taken_from_a_clip_by_marking_joints() {
+    let mut desk = with_clip();
+    let joints = desk.open().joints();
+    // The way on says what to do.
+    desk.click("Next: mark joints");
+    assert!(desk.harness.state().notices()[0].contains("Click on the clip"), "{:?}", desk.harness.state().notices());
+    desk.click("Close this message");
+    let count = MARKS.len().min(joints.len());
+    mark(&mut desk, count);
+    assert_eq!((desk.open().marks().len(), desk.open().key_frames()), (count, &[0][..]));
+    assert!(!desk.open().playing(), "the frame that is marked on stays");
+    assert_eq!(desk.open().steps().0, Some("new point"));
+
+    // It was followed: the thing wanders a pixel a frame.
+    let before = desk.open().points();
+    desk.keys(Modifiers::NONE, Key::End);
+    settle(&mut desk, true);
+    let after = desk.open().points();
+    for (a, b) in before.iter().zip(&after) {
+        assert!((b.0 - a.0 - (BAR_FRAMES - 1) as f32).abs() < 2.5 && (b.1 - a.1).abs() < 2.5, "{a:?} {b:?}");
+    }
+
+    // A correction by dragging: one step, which undo takes back with what was followed.
+    let from = desk.open().on_clip(after[0]);
+    let to = desk.open().on_clip((after[0].0 + 4.0, after[0].1 + 3.0));
+    desk.drag(from, to);
+    settle(&mut desk, true);
+    assert_eq!(desk.open().key_frames(), [0, u64::from(BAR_FRAMES) - 1]);
+    desk.keys(CTRL, Key::Z);
+    settle(&mut desk, true);
+    assert_eq!((desk.open().key_frames(), desk.open().points()), (&[0][..], after), "one step");
+
+    // A joint is chosen by key, and its mark taken off; and brought back.
+    desk.keys(Modifiers::NONE, Key::Home);
+    desk.keys(Modifiers::NONE, Key::Escape);
+    desk.keys(Modifiers::NONE, Key::L);
+    desk.keys(Modifiers::NONE, Key::Delete);
+    assert_eq!(desk.open().marks().len(), count - 1);
+    desk.keys(CTRL, Key::Z);
+    settle(&mut desk, true);
+    assert_eq!(desk.open().marks().len(), count);
+
+    // The drawing in place of the clip, and out.
+    desk.keys(Modifiers::NONE, Key::G);
+    desk.harness.get_by_label("The character as it was drawn");
+    assert!(desk.harness.query_by_label_contains("The clip, frame").is_none());
+    desk.click("Export…");
+    desk.click("GIF");
+    desk.click("Export");
+    desk.wait("the export", |s| s.open().is_some_and(|o| !o.is_busy()));
+    let gif = std::fs::File::open(desk.home().join("figure.gif")).unwrap();
+    let gif = image::codecs::gif::GifDecoder::new(std::io::BufReader::new(gif)).unwrap();
+    let frames = image::AnimationDecoder::into_frames(gif).collect_frames().unwrap();
+    assert_eq!(frames.len(), BAR_FRAMES as usize);
+
+    // All of it is there after a crash, and is not followed again.
+    let marks = desk.open().marks();
+    let mut desk = desk.again();
+    desk.harness.run();
+    desk.click("Open figure");
+    desk.wait_open();
+    settle(&mut desk, true);
+    assert_eq!((desk.open().marks(), desk.open().followed()), (marks, 0));
+
+    // Another motion takes the clip away, and undo brings both back.
+    desk.drop_file(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/characters/child/walk.motion.json"));
+    desk.wait("the motion", |s| s.open().is_some_and(|o| !o.is_busy() && o.marks().is_empty()));
+    settle(&mut desk, true);
+    desk.keys(CTRL, Key::Z);
+    settle(&mut desk, true);
+    assert_eq!(desk.open().marks().len(), count);
+    desk.keys(CTRL_SHIFT, Key::Z);
+    settle(&mut desk, true);
+    assert!(desk.open().marks().is_empty());
+}
+
+#[test]
+fn what_is_no_clip_is_said_and_changes_nothing() {
+    let mut desk = with_clip();
+    mark(&mut desk, 3);
+    let marks = desk.open().marks();
+    let file = desk.folder.path().join("notes.mp4");
+    std::fs::write(&file, "no clip").unwrap();
+    desk.click("From a clip…");
+    desk.type_path(file.to_str().unwrap());
+    desk.wait("the message", |s| s.notices().iter().any(|n| n.contains("notes.mp4")));
+    settle(&mut desk, true);
+    assert_eq!(desk.open().marks(), marks);
 }

@@ -8,6 +8,7 @@ use egui_kittest::kittest::Queryable as _;
 use marey_studio::egui::{Key, Modifiers};
 
 const CTRL: Modifiers = Modifiers::COMMAND;
+const CTRL_SHIFT: Modifiers = Modifiers::COMMAND.plus(Modifiers::SHIFT);
 
 /// A bar of two lines, as the one of the clip but twice as large.
 const SVG: &str = r#"<svg xmlns="http://www.w3.org/2000/svg" width="192" height="128">
@@ -108,6 +109,7 @@ fn points_and_drawing_are_there_after_a_crash() {
     assert_eq!(desk.open().marks(), marks);
     settle(&mut desk);
     assert_eq!(desk.open().handles().len(), 4);
+    assert_eq!(desk.open().followed(), 0, "where the points go was kept");
     desk.click("Remove point 2");
     settle(&mut desk);
     let notices = desk.harness.state().notices();
@@ -132,4 +134,70 @@ fn a_drawing_is_exported_from_the_start_by_three_clicks() {
     desk.click("To the start");
     desk.harness.run();
     assert!(desk.harness.query_by_label("NOT SAVED YET").is_none());
+}
+
+#[test]
+fn where_points_go_is_kept_for_these_marks_and_this_clip_only() {
+    let mut desk = marked();
+    assert!(desk.open().followed() > 0);
+    // What was kept goes with the step that it was followed for, and comes back with it.
+    let (marks, followed) = (desk.open().marks(), desk.open().followed());
+    let still = |desk: &mut Desk| {
+        if desk.open().playing() {
+            desk.keys(Modifiers::NONE, Key::Space);
+        }
+        desk.keys(Modifiers::NONE, Key::End);
+    };
+    still(&mut desk);
+    let way = desk.open().points();
+    desk.keys(CTRL, Key::Z);
+    desk.keys(CTRL, Key::Z);
+    assert_eq!(desk.open().marks().len(), 3, "the drawing, and the last point");
+    desk.keys(CTRL_SHIFT, Key::Z);
+    desk.keys(CTRL_SHIFT, Key::Z);
+    settle(&mut desk);
+    still(&mut desk);
+    assert_eq!((desk.open().marks(), desk.open().points()), (marks, way));
+    assert!(desk.open().followed() <= followed + 1);
+
+    // Another clip under the same name is followed anew.
+    let frame = desk.folder.path().join("bar/00003.png");
+    let mut desk = {
+        let mut image = image::open(&frame).unwrap().to_rgb8();
+        image.put_pixel(0, 0, image::Rgb([1, 2, 3]));
+        image.save(&frame).unwrap();
+        desk.again()
+    };
+    desk.harness.run();
+    desk.click("Open bar");
+    desk.wait_open();
+    settle(&mut desk);
+    assert_eq!(desk.open().followed(), 1);
+}
+
+#[test]
+fn space_pans_while_the_mouse_is_dragged_and_plays_alone() {
+    let mut desk = marked();
+    if desk.open().playing() {
+        desk.keys(Modifiers::NONE, Key::Space);
+    }
+    let marks = desk.open().marks();
+    for sheet in [false, true] {
+        let place =
+            |desk: &Desk| if sheet { desk.open().on_sheet((90.0, 64.0)) } else { desk.open().on_screen((50.0, 50.0)) };
+        let before = place(&desk);
+        desk.harness.key_down(Key::Space);
+        let by = marey_studio::egui::vec2(40.0, 16.0);
+        desk.drag(before, before + by);
+        desk.harness.key_up(Key::Space);
+        desk.harness.run_steps(3);
+        // A drag is one after six points.
+        assert!(place(&desk).distance(before + by) < 6.5, "{before:?} {:?}", place(&desk));
+        assert!(!desk.open().playing(), "it panned");
+        desk.keys(CTRL, Key::Num0);
+        assert!(place(&desk).distance(before) < 0.5);
+    }
+    assert_eq!(desk.open().marks(), marks);
+    desk.keys(Modifiers::NONE, Key::Space);
+    assert!(desk.open().playing());
 }

@@ -148,3 +148,133 @@ fn a_small_clip_becomes_a_creature_in_a_few_operations() {
 fn a_clip_becomes_a_creature_in_minutes_and_few_operations() {
     clip_to_creature(|_| (fox().join("clip.mp4"), 1.0));
 }
+
+/// The keystroke aim of the second drawing on a motion that was captured.
+const SECOND: f64 = 20.0;
+
+#[test]
+fn a_second_drawing_takes_a_captured_motion_in_seconds() {
+    let mut desk = Desk::new();
+    let clip = common::legs(desk.folder.path());
+    let child = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/characters/child/drawing.png");
+    // Another drawing, with another skeleton.
+    let second = desk.folder.path().join("second.png");
+    let picture = image::open(&child).unwrap().to_rgba8();
+    image::imageops::flip_horizontal(&picture).save(&second).unwrap();
+    desk.harness.state_mut().open_picture(&child);
+    desk.wait_open();
+    let busy = |s: &marey_studio::Studio| s.open().is_none_or(|o| o.joints().is_empty() || o.is_busy());
+    desk.wait("the skeleton", move |s| !busy(s));
+    desk.click("From a clip…");
+    desk.type_path(clip.to_str().unwrap());
+    desk.wait("the clip", move |s| {
+        !busy(s) && s.open().is_some_and(|o| o.on_clip((0.0, 0.0)) != o.on_clip((1.0, 0.0)))
+    });
+    desk.harness.run_steps(3);
+    for at in [(48.0, 18.0), (20.0, 18.0), (72.0, 18.0), (62.0, 54.0), (34.0, 54.0), (40.0, 30.0)] {
+        let at = desk.open().on_clip(at);
+        desk.click_at(at);
+    }
+    let moves = move |s: &marey_studio::Studio| !busy(s) && s.open().is_some_and(|o| o.moves());
+    desk.wait("the first drawing", moves);
+
+    let mut person = Person { desk, operations: 0, own: 0.0, waited: 0.0 };
+    // Dragged from a folder onto the window.
+    person.operation(2.0 * P + 2.0 * K);
+    let first = person.desk.open().joints();
+    person.desk.drop_file(&second);
+    let other = move |s: &marey_studio::Studio| moves(s) && s.open().is_some_and(|o| o.joints() != first);
+    person.wait("the second drawing", other);
+    person.click("Export…");
+    person.click("Export");
+    person.wait("the export", |s| s.open().is_some_and(|o| !o.is_busy()));
+    assert!(std::fs::read_dir(person.desk.home()).unwrap().next().is_some());
+    let Person { operations, own, waited, .. } = person;
+    println!("{operations} operations, {own:.1} s of a person's, {waited:.1} s of waiting");
+    assert!(operations <= 3 && own + waited < SECOND, "{own} {waited}");
+}
+
+/// Seconds and operations a frame that users of Live Sketch took to correct points (Su, Bai, Fu, Tai and Wang, CHI 2018).
+const LIVE_SKETCH: (f64, f64) = (3.07, 0.51);
+/// A point that is farther from where it should be is put right, in pixels of the whole clip.
+const FAR: f32 = 8.0;
+
+/// The ends and middles of the fox's limbs, by point and frame, in pixels of a clip of which this is the scale and these
+/// are the frames.
+fn true_points(scale: f32, every: usize) -> Vec<Vec<(f32, f32)>> {
+    let text = std::fs::read_to_string(fox().join("truth.json")).unwrap();
+    let truth: serde_json::Value = serde_json::from_str(&text).unwrap();
+    let mut points = Vec::new();
+    for limb in truth["limbs"].as_object().unwrap().values() {
+        let frames: Vec<Vec<Vec<f32>>> = serde_json::from_value(limb["axis"].clone()).unwrap();
+        let last = frames[0].len() - 1;
+        for at in [last / 2, last] {
+            points.push(frames.iter().step_by(every).map(|f| (f[at][0] * scale, f[at][1] * scale)).collect());
+        }
+    }
+    points
+}
+
+/// What a person does from marked points to points that are right: looks for the worst place, where `Next to correct` leads
+/// if that is wrong, and drags it.
+#[test]
+#[ignore = "follows points some dozen times; cargo xtask studio"]
+fn points_are_corrected_in_seconds_a_frame() {
+    let mut desk = Desk::new();
+    let (clip, scale) = smaller(desk.folder.path());
+    let truth = true_points(scale, 2);
+    let frames = truth[0].len();
+    desk.harness.state_mut().open_for_drawing(&clip);
+    desk.wait_open();
+    let mut person = Person { desk, operations: 0, own: 0.0, waited: 0.0 };
+    let followed = |s: &marey_studio::Studio| s.open().is_some_and(|o| !o.is_busy());
+    for point in &truth {
+        person.operation(P + K);
+        let at = person.desk.open().on_screen(point[0]);
+        person.desk.click_at(at);
+    }
+    person.wait("the points", followed);
+    let marked = (person.operations, person.own);
+    let far = |desk: &Desk, point: usize, frame: usize| {
+        let at = desk.open().tracked(point, frame as u64).and_then(|at| at.first().copied()).unwrap();
+        (at.0 - truth[point][frame].0).hypot(at.1 - truth[point][frame].1)
+    };
+    let mut corrections = 0;
+    loop {
+        let places = (0..truth.len()).flat_map(|point| (0..frames).map(move |frame| (point, frame)));
+        let worst = places.max_by(|a, b| far(&person.desk, a.0, a.1).total_cmp(&far(&person.desk, b.0, b.1)));
+        let (mut point, mut frame) = worst.unwrap();
+        if far(&person.desk, point, frame) <= FAR * scale || corrections == frames {
+            break;
+        }
+        person.key(Key::C);
+        let open = person.desk.open();
+        let led = (open.selected().unwrap_or(point), open.frame() as usize);
+        if far(&person.desk, led.0, led.1) > FAR * scale {
+            (point, frame) = led;
+        } else {
+            // It is right there: to the frame that is not, on the timeline.
+            person.operation(P + K);
+            person.desk.keys(Modifiers::NONE, Key::Home);
+            (0..frame).for_each(|_| person.desk.keys(Modifiers::NONE, Key::Period));
+        }
+        let open = person.desk.open();
+        let (from, to) = (open.on_screen(open.points()[point]), open.on_screen(truth[point][frame]));
+        // Pointing, and pointing again with the button held.
+        person.operation(2.0 * P + K);
+        person.desk.drag(from, to);
+        person.wait("the correction", followed);
+        corrections += 1;
+    }
+    let Person { operations, own, waited, .. } = person;
+    let a_frame = |operations: u32, own: f64| (own / frames as f64, f64::from(operations) / frames as f64);
+    let (seconds, taken) = a_frame(operations - marked.0, own - marked.1);
+    let all = a_frame(operations, own);
+    println!(
+        "{corrections} corrections of {} places: {seconds:.2} s and {taken:.2} operations a frame; with marking {:.2} s and {:.2}; {waited:.0} s of waiting",
+        truth.len() * frames,
+        all.0,
+        all.1
+    );
+    assert!(seconds < LIVE_SKETCH.0 && taken < LIVE_SKETCH.1, "{seconds} {taken}");
+}

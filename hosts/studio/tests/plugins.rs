@@ -82,7 +82,13 @@ fn plugins_are_found_chosen_used_and_rebuilt_while_a_session_is_open() {
     see(&mut desk, NAME);
     see(&mut desk, "1.0.0, by Marey");
     gone(&mut desk, "Not loaded");
+    // The same plugin under another name waits until the first is gone, and needs no click then.
+    std::fs::copy(plugins(&desk).join("broken.so"), plugins(&desk).join("renamed.so")).unwrap();
+    see(&mut desk, "Not loaded");
     std::fs::remove_file(plugins(&desk).join("broken.so")).unwrap();
+    gone(&mut desk, "Not loaded");
+    see(&mut desk, NAME);
+    std::fs::remove_file(plugins(&desk).join("renamed.so")).unwrap();
     gone(&mut desk, NAME);
     build(&desk, "1.0.0");
     desk.harness.check_accessibility();
@@ -92,6 +98,7 @@ fn plugins_are_found_chosen_used_and_rebuilt_while_a_session_is_open() {
     desk.click("How the creature is made");
     see(&mut desk, "Limbs are followed by");
     desk.click("Limbs are followed by");
+    desk.wait("the plugin", move |s| s.notices().iter().all(|n| !n.contains("built anew")));
     see(&mut desk, NAME);
     desk.click(NAME);
     see(&mut desk, "Reach");

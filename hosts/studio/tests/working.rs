@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{BAR_FRAMES, Desk, bar};
+use common::{BAR_FRAMES, Desk, LEGS, bar, legs};
 use egui_kittest::kittest::Queryable as _;
 use marey_studio::egui::{Event, Key, Modifiers, PointerButton, Pos2, TouchDeviceId, TouchId, TouchPhase};
 
@@ -194,24 +194,16 @@ fn paths_are_typed_where_there_is_no_dialog() {
     let clip = bar(desk.folder.path());
     desk.harness.run();
     desk.click("Choose a clip…");
-    let type_path = |desk: &mut Desk, path: &str| {
-        desk.harness.key_press_modifiers(CTRL, Key::A);
-        desk.harness.step();
-        desk.harness.get_by_label("Path").type_text(path);
-        desk.harness.run_steps(2);
-        desk.harness.key_press(Key::Enter);
-        desk.harness.run_steps(3);
-    };
-    type_path(&mut desk, "~/nothing.mp4");
+    desk.type_path("~/nothing.mp4");
     desk.harness.get_by_label_contains("there is nothing under this name");
     desk.harness.check_accessibility();
-    type_path(&mut desk, clip.to_str().unwrap());
+    desk.type_path(clip.to_str().unwrap());
     desk.wait_open();
     desk.draw(&[(33.0, 32.0), (57.0, 32.0)]);
     desk.keys(CTRL, Key::S);
     desk.click("Cancel");
     desk.keys(CTRL, Key::S);
-    type_path(&mut desk, "~/walk.marey");
+    desk.type_path("~/walk.marey");
     desk.harness.get_by_label("Saved");
     assert!(desk.home().join("walk.marey").exists());
 
@@ -219,8 +211,85 @@ fn paths_are_typed_where_there_is_no_dialog() {
     desk.click("Export…");
     desk.click("GIF");
     desk.click("Browse…");
-    type_path(&mut desk, "walking.gif");
+    desk.type_path("walking.gif");
     desk.click("Export");
     desk.wait("the export", |s| s.open().is_some_and(|o| !o.is_busy()));
     assert!(desk.home().join("walking.gif").exists(), "{:?}", desk.harness.state().notices());
+}
+
+#[test]
+fn of_limbs_that_cross_a_click_says_which_is_in_front() {
+    let mut desk = Desk::new();
+    let clip = legs(desk.folder.path());
+    desk.drop_file(&clip);
+    desk.wait_open();
+    LEGS.iter().for_each(|limb| desk.draw(limb));
+    desk.keys(Modifiers::NONE, Key::I);
+    assert!(desk.harness.state().notices()[0].contains("Make the creature first"));
+    make(&mut desk);
+    if desk.open().playing() {
+        desk.keys(Modifiers::NONE, Key::Space);
+    }
+    desk.keys(Modifiers::NONE, Key::Home);
+    let before = desk.open().overlaps();
+    assert_eq!(before.len(), 1, "{before:?}");
+    let (front, behind, at) = before[0];
+    assert!((at.0 - 48.0).abs() < 3.0 && (at.1 - 38.0).abs() < 3.0, "{at:?}");
+    let order = |desk: &Desk| {
+        let now = desk.open().overlaps();
+        (now[0].0, now[0].1)
+    };
+
+    // A click on the mark: one step, which leaves what was drawn alone, and is undone.
+    let made = desk.open().fingerprint().unwrap();
+    let mark = desk.open().on_screen(at);
+    press(&mut desk, mark, PointerButton::Primary);
+    assert_eq!((order(&desk), desk.limbs().len()), ((behind, front), 3));
+    assert_eq!(steps(&desk).0.as_deref(), Some("which limb is in front"));
+    assert!(!desk.open().is_motion_outdated(), "nothing is to be followed again");
+    desk.harness.get_by_label("Update the creature");
+    desk.keys(CTRL, Key::Z);
+    assert_eq!((order(&desk), desk.open().fingerprint().unwrap()), ((front, behind), made));
+    desk.keys(CTRL_SHIFT, Key::Z);
+    assert_eq!(order(&desk), (behind, front));
+
+    // Clicked twice, nothing is said any more.
+    press(&mut desk, mark, PointerButton::Primary);
+    assert_eq!((order(&desk), desk.open().fingerprint().unwrap()), ((front, behind), made));
+
+    // By the menu of a limb, away from where they cross.
+    let ([from, to], share) = (LEGS[behind], 0.78);
+    let beside = desk.open().on_screen((from.0 + (to.0 - from.0) * share, from.1 + (to.1 - from.1) * share));
+    press(&mut desk, beside, PointerButton::Secondary);
+    let label = |limb: usize| format!("limb {}", limb + 1);
+    desk.click(&format!("In front of {}", label(front)));
+    assert_eq!(order(&desk), (behind, front));
+    press(&mut desk, beside, PointerButton::Secondary);
+    desk.click("As the machine has it");
+    assert_eq!(order(&desk), (front, behind));
+
+    // By keyboard, and by the panel, which has the selected limb's.
+    desk.click(&format!("Draw {}", label(behind)));
+    desk.keys(Modifiers::NONE, Key::I);
+    assert_eq!(order(&desk), (behind, front));
+    desk.click(&format!("Behind {}", label(front)));
+    assert_eq!(order(&desk), (front, behind));
+    desk.keys(Modifiers::NONE, Key::I);
+
+    // The creature that is made of it has it so by itself, and it is there after a crash.
+    make(&mut desk);
+    desk.keys(Modifiers::NONE, Key::Space);
+    desk.keys(Modifiers::NONE, Key::Home);
+    assert_eq!(order(&desk), (behind, front));
+    assert!(!desk.open().is_motion_outdated());
+    let mut desk = desk.again();
+    desk.harness.run();
+    desk.click("Open legs");
+    desk.wait_open();
+    desk.wait("the creature", |s| s.open().is_some_and(|o| o.has_creature() && !o.is_busy()));
+    if desk.open().playing() {
+        desk.keys(Modifiers::NONE, Key::Space);
+    }
+    desk.keys(Modifiers::NONE, Key::Home);
+    assert_eq!(order(&desk), (behind, front));
 }

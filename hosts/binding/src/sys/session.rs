@@ -169,6 +169,15 @@ pub(crate) fn session_set_stroke(
     call!(mry_session_set_stroke(handle, session, limb, frame, points.as_ptr(), points.len(), facing)).map(drop)
 }
 
+pub(crate) fn session_set_depth(
+    handle: &Handle,
+    session: mry_session,
+    (limb, frame): (u32, u64),
+    (said, depth, bend): (u32, f32, f32),
+) -> Result<()> {
+    call!(mry_session_set_depth(handle, session, limb, frame, said, depth, bend)).map(drop)
+}
+
 pub(crate) fn session_remove_stroke(handle: &Handle, session: mry_session, limb: u32, frame: u64) -> Result<()> {
     call!(mry_session_remove_stroke(handle, session, limb, frame)).map(drop)
 }

@@ -36,7 +36,7 @@ impl Chance {
 const CTRL: Modifiers = Modifiers::COMMAND;
 const CTRL_SHIFT: Modifiers = Modifiers::COMMAND.plus(Modifiers::SHIFT);
 
-const KEYS: [(Modifiers, Key); 40] = [
+const KEYS: [(Modifiers, Key); 43] = [
     (CTRL, Key::Z),
     (CTRL, Key::Z),
     (CTRL, Key::Z),
@@ -77,6 +77,9 @@ const KEYS: [(Modifiers, Key); 40] = [
     (Modifiers::NONE, Key::ArrowLeft),
     (Modifiers::NONE, Key::Num3),
     (Modifiers::NONE, Key::Num4),
+    (Modifiers::NONE, Key::Num5),
+    (Modifiers::NONE, Key::I),
+    (Modifiers::NONE, Key::G),
 ];
 
 /// One gesture; gives its name.

@@ -99,6 +99,16 @@ impl Desk {
         self.harness.run_steps(3);
     }
 
+    /// Types a path where one is asked for.
+    pub fn type_path(&mut self, path: &str) {
+        self.harness.key_press_modifiers(Modifiers::COMMAND, Key::A);
+        self.harness.step();
+        self.harness.get_by_label("Path").type_text(path);
+        self.harness.run_steps(2);
+        self.harness.key_press(Key::Enter);
+        self.harness.run_steps(3);
+    }
+
     pub fn drag(&mut self, from: Pos2, to: Pos2) {
         self.press_from(&[from, to]);
         self.harness.drop_at(to);
@@ -197,6 +207,38 @@ impl marey_studio::egui::DroppedFile for Dropped {
         std::fs::read(&self.0).map_err(|e| e.to_string())
     }
 }
+
+/// Pictures of a thing with a body and two legs that cross, at (48, 38) in frame 0; it wanders a pixel a frame.
+pub fn legs(folder: &Path) -> PathBuf {
+    let clip = folder.join("legs");
+    std::fs::create_dir(&clip).unwrap();
+    let far = |p: (f32, f32), a: (f32, f32), b: (f32, f32)| {
+        let (u, v) = ((b.0 - a.0, b.1 - a.1), (p.0 - a.0, p.1 - a.1));
+        let t = ((u.0 * v.0 + u.1 * v.1) / (u.0 * u.0 + u.1 * u.1)).clamp(0.0, 1.0);
+        ((v.0 - t * u.0).powi(2) + (v.1 - t * u.1).powi(2)).sqrt()
+    };
+    for frame in 0..BAR_FRAMES {
+        let image = image::RgbImage::from_fn(96, 64, |x, y| {
+            let at = (x as f32 - frame as f32, y as f32);
+            let grain = (((x + 96 - frame) * 37 + y * 91) % 17) as u8;
+            if far(at, LEGS[1][0], LEGS[1][1]) < 3.5 {
+                image::Rgb([150, 60 + grain, 40])
+            } else if far(at, LEGS[2][0], LEGS[2][1]) < 3.5 {
+                image::Rgb([40, 60, 150 - grain])
+            } else if far(at, LEGS[0][0], LEGS[0][1]) < 7.0 {
+                image::Rgb([60 + grain, 40, 30])
+            } else {
+                image::Rgb([190, 200 - grain, 180 + grain])
+            }
+        });
+        image.save(clip.join(format!("{frame:05}.png"))).unwrap();
+    }
+    clip
+}
+
+/// The body and the legs of [`legs`] in frame 0.
+pub const LEGS: [[(f32, f32); 2]; 3] =
+    [[(16.0, 18.0), (76.0, 18.0)], [(30.0, 18.0), (66.0, 58.0)], [(66.0, 18.0), (30.0, 58.0)]];
 
 pub const BAR_FRAMES: u32 = 8;
 

@@ -56,6 +56,17 @@ pub fn creature(desk: &mut Desk, save: Save<'_>) {
     desk.click("Draw hind_near");
     desk.rest(1500);
     save(desk, "creature");
+    if let Some((_, _, at)) = desk.open().overlaps().first().copied() {
+        let at = desk.open().on_screen(at);
+        desk.harness.hover_at(at);
+        desk.rest(900);
+        save(desk, "overlap");
+        desk.click_at(at);
+        desk.rest(300);
+        save(desk, "ordered");
+        desk.harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+        desk.harness.run_steps(3);
+    }
     desk.harness.key_press(Key::Escape);
     desk.harness.key_press(Key::O);
     desk.rest(300);
@@ -158,6 +169,46 @@ pub fn character(desk: &mut Desk, save: Save<'_>) {
     save(desk, "character-export");
     desk.harness.key_press(Key::Escape);
     desk.harness.run_steps(3);
+    // A motion from a clip, in the middle of marking and marked.
+    let clip = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../data/gbot-walk/frames");
+    desk.click("From a clip…");
+    desk.type_path(clip.to_str().unwrap());
+    desk.wait("the clip", |s| s.open().is_some_and(|o| !o.is_busy() && o.marks().is_empty()));
+    desk.rest(1500);
+    let marks = [
+        (127.2, 155.9),
+        (127.2, 147.2),
+        (127.2, 103.2),
+        (149.2, 119.7),
+        (136.0, 143.1),
+        (144.9, 167.6),
+        (99.7, 119.7),
+        (115.6, 140.4),
+        (142.3, 149.2),
+        (139.8, 159.0),
+        (145.2, 185.3),
+        (158.9, 218.0),
+        (107.4, 163.1),
+        (95.5, 185.4),
+        (72.6, 211.9),
+    ];
+    for (i, at) in marks.into_iter().enumerate() {
+        if i == 7 {
+            desk.rest(500);
+            save(desk, "capture");
+        }
+        let at = desk.open().on_clip(at);
+        desk.click_at(at);
+    }
+    desk.wait("the motion", |s| s.open().is_some_and(|o| o.moves() && !o.is_busy()));
+    desk.rest(800);
+    save(desk, "captured");
+    desk.harness.key_press(Key::G);
+    for _ in 0..8 {
+        desk.harness.key_press(Key::Period);
+    }
+    desk.rest(800);
+    save(desk, "captured-moves");
 
     desk.click("To the start");
     desk.harness.run_steps(3);

@@ -1,0 +1,113 @@
+//! The notes of a session, a part of it that is the studio's own: behind which door it is, how a motion is carried over to a
+//! character, the time it takes, for which picture its joints are marked, and of what the motion is that was followed.
+
+use std::sync::Arc;
+
+use marey_binding::{Part, Result};
+use serde::{Deserialize, Serialize};
+
+use crate::document::{Document, Door};
+use crate::solved::Stamp;
+use crate::texts;
+use crate::timing::Timing;
+
+/// The session's notes.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub(crate) struct Notes {
+    pub(crate) door: Door,
+    pub(crate) character: CharacterNotes,
+    pub(crate) timing: Timing,
+    /// On which picture a character's joints are those that are marked on the clip.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) marked_for: Option<u64>,
+    /// Of what the motion is that was followed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) solved: Option<Stamp>,
+}
+
+/// How a motion is carried over to a character.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub(crate) struct CharacterNotes {
+    /// Bones change their length up to this factor.
+    pub(crate) stretch: f32,
+    /// It stays where it is.
+    pub(crate) on_spot: bool,
+    /// Bones point where the motion's do, rather than turn as they do.
+    pub(crate) absolute: bool,
+}
+
+impl Default for CharacterNotes {
+    fn default() -> Self {
+        // A figure of other proportions tears at more, and looks stiff at none.
+        Self { stretch: 1.2, on_spot: true, absolute: false }
+    }
+}
+
+impl Document {
+    /// What is made of it.
+    pub(crate) fn door(&self) -> Door {
+        self.notes().door
+    }
+
+    fn notes(&self) -> Notes {
+        self.part(Part::Notes).and_then(|notes| serde_json::from_slice(notes).ok()).unwrap_or_default()
+    }
+
+    /// How a motion is carried over.
+    pub(crate) fn character_notes(&self) -> CharacterNotes {
+        self.notes().character
+    }
+
+    pub(crate) fn set_character_notes(&mut self, label: &str, character: &CharacterNotes) -> Result<()> {
+        self.set_notes(label, &Notes { character: character.clone(), ..self.notes() })
+    }
+
+    /// The time that what is made takes.
+    pub(crate) fn timing(&self) -> Timing {
+        self.notes().timing
+    }
+
+    pub(crate) fn set_timing(&mut self, timing: Timing) -> Result<()> {
+        self.set_notes(texts::EDIT_TIMING, &Notes { timing, ..self.notes() })
+    }
+
+    fn set_notes(&mut self, label: &str, notes: &Notes) -> Result<()> {
+        let json = serde_json::to_vec(notes).unwrap_or_default();
+        self.set_parts(label, &[(Part::Notes, Some(&json))])
+    }
+
+    /// For which picture of a character joints are marked, by its fingerprint.
+    pub(crate) fn marked_for(&self) -> Option<u64> {
+        self.notes().marked_for
+    }
+
+    /// Marks joints of the character with this picture, one step of undo.
+    pub(crate) fn set_joint_marks(&mut self, label: &str, marks: &[u8], picture: Option<u64>) -> Result<()> {
+        let json = serde_json::to_vec(&Notes { marked_for: picture, ..self.notes() }).unwrap_or_default();
+        self.set_parts(label, &[(Part::Points, Some(marks)), (Part::Notes, Some(&json))])
+    }
+
+    /// Of what the motion is that was followed and kept.
+    pub(crate) fn stamp(&self) -> Option<Stamp> {
+        self.notes().solved
+    }
+
+    /// Keeps where marked points go, as a part of the step that they were followed for. While something can be done again
+    /// it is not kept, for nothing could be done again after it.
+    pub(crate) fn keep_solved(&mut self, points: &Arc<Vec<u8>>, motion: &str) -> Result<()> {
+        let Some((_, clip)) = &self.clip else { return Ok(()) };
+        if self.part(Part::Points) != Some(points) || self.redo.is_some() {
+            return Ok(());
+        }
+        let notes = Notes { solved: Some(Stamp::new(points, clip)), ..self.notes() };
+        let json = serde_json::to_vec(&notes).unwrap_or_default();
+        let label = format!("{}{}", self.undo.as_deref().unwrap_or(texts::EDIT_OPEN), texts::EDIT_FOLLOWED);
+        // Nobody did anything.
+        let worked_on = self.worked_on;
+        let kept = self.set_parts(&label, &[(Part::Motion, Some(motion.as_bytes())), (Part::Notes, Some(&json))]);
+        self.worked_on = worked_on;
+        kept
+    }
+}
