@@ -167,22 +167,30 @@ fn decode(shared: &Shared, clip: &Clip, frames: u64, size: [usize; 2], send: &Se
                 wanted = shared.wake.wait(wanted).unwrap_or_else(PoisonError::into_inner);
             }
         };
-        let picture = clip.frame(frame).and_then(|rgb| Ok((rgb, clip.alpha(frame)?))).map_err(|e| e.to_string());
-        let picture = picture.map(|(rgb, alpha)| {
-            let opaque = alpha.iter().all(|a| *a == 255);
-            let picture = match (small, opaque) {
-                (true, true) => smaller(&rgb, size, SMALL.1),
-                (true, false) => smaller(&on_white(&rgb, &alpha), size, SMALL.1),
-                (false, true) => ColorImage::from_rgb(size, &rgb),
-                (false, false) => ColorImage::from_rgba_unmultiplied(size, &with_alpha(&rgb, &alpha)),
-            };
-            (picture, !opaque)
-        });
+        let picture = read(clip, frame, size, small.then_some(SMALL.1)).map_err(|e| e.to_string());
         if send.send((frame, small, picture)).is_err() {
             return;
         }
         ui.request_repaint();
     }
+}
+
+/// A frame, and whether something of it is see-through. One of another height is on paper.
+pub(crate) fn read(
+    clip: &Clip,
+    frame: u64,
+    size: [usize; 2],
+    height: Option<usize>,
+) -> marey_binding::Result<(ColorImage, bool)> {
+    let (rgb, alpha) = (clip.frame(frame)?, clip.alpha(frame)?);
+    let opaque = alpha.iter().all(|a| *a == 255);
+    let picture = match (height, opaque) {
+        (Some(height), true) => smaller(&rgb, size, height),
+        (Some(height), false) => smaller(&on_white(&rgb, &alpha), size, height),
+        (None, true) => ColorImage::from_rgb(size, &rgb),
+        (None, false) => ColorImage::from_rgba_unmultiplied(size, &with_alpha(&rgb, &alpha)),
+    };
+    Ok((picture, !opaque))
 }
 
 fn with_alpha(rgb: &[u8], alpha: &[u8]) -> Vec<u8> {
@@ -196,7 +204,7 @@ fn on_white(rgb: &[u8], alpha: &[u8]) -> Vec<u8> {
 }
 
 /// A picture of that height, each pixel the mean of those that it covers.
-pub(crate) fn smaller(rgb: &[u8], [width, height]: [usize; 2], to_height: usize) -> ColorImage {
+fn smaller(rgb: &[u8], [width, height]: [usize; 2], to_height: usize) -> ColorImage {
     let to_height = to_height.min(height).max(1);
     let to_width = (width * to_height / height.max(1)).max(1);
     let mut small = Vec::with_capacity(3 * to_width * to_height);

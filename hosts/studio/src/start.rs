@@ -10,12 +10,11 @@ use eframe::egui::{
 use marey_binding::Context;
 
 use crate::background::Background;
-use crate::frames::smaller;
 use crate::icons::Icon;
 use crate::opening::Source;
 use crate::preferences::Recent;
 use crate::theme::Palette;
-use crate::{Places, sample, texts, widgets};
+use crate::{Places, frames, sample, texts, widgets};
 
 /// Doors side by side.
 const WIDE: f32 = 980.0;
@@ -329,7 +328,7 @@ fn pictures(context: &Context, samples: &Path) -> [Option<ColorImage>; 3] {
     let first = |path: std::io::Result<PathBuf>| {
         let clip = context.open_clip(&path.ok()?.to_string_lossy()).ok()?;
         let info = clip.info().ok()?;
-        Some(smaller(&clip.frame(0).ok()?, [info.width as usize, info.height as usize], 160))
+        Some(frames::read(&clip, 0, [info.width as usize, info.height as usize], Some(160)).ok()?.0)
     };
     [first(sample::clip(samples)), first(sample::child_picture(samples)), first(sample::gallop(samples))]
 }
