@@ -219,7 +219,8 @@ impl CharacterDoor {
 
     /// Goes to the frame and the joint that a mark helps most.
     pub(crate) fn next_correction(&mut self) {
-        let worst = self.shop.document.tracked.as_ref().and_then(|t| t.corrections.first()).copied();
+        let shown = (self.selected.and_then(|number| self.mark_of(number)), self.shop.playback.frame());
+        let worst = self.shop.document.tracked.as_ref().and_then(|t| t.next_correction(shown));
         if let Some(worst) = worst {
             self.on_clip = true;
             self.shop.playback.stop();

@@ -36,7 +36,7 @@ impl CharacterDoor {
         let handles: Vec<Handle> =
             (0..joints.len()).map(|number| Handle { number, at: joints[number].1, sure: 1.0, by_hand: true }).collect();
         if self.bones {
-            let done = self.hand.act(ui, &response, placed, &handles);
+            let done = self.hand.act(ui, &response, placed, (&handles, self.selected));
             let at = |joint: u32| placed.to_screen(self.hand.place(&handles[joint as usize]));
             for [from, to] in bones {
                 overlay::line(&painter, &[at(from), at(to)], 3.0, theme::limb(to as usize));

@@ -84,7 +84,7 @@ impl ClipPoints {
             overlay::paths(&painter, placed, &shop.document, frame, selected, numbers);
         }
         let handles = handles(&shop.document, frame, numbers);
-        let done = self.hand.act(ui, &response, placed, &handles);
+        let done = self.hand.act(ui, &response, placed, (&handles, selected));
         self.hand.paint(&painter, placed, &handles, selected);
         looking::toolbar(ui, panel, 4.0, |ui| {
             if widgets::word_toggle(ui, texts::PATHS, self.paths, Command::Paths) {

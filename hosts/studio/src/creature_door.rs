@@ -458,7 +458,8 @@ impl CreatureDoor {
                 }
             }
             Command::NextCorrection => {
-                let worst = self.document.tracked.as_ref().and_then(|t| t.corrections.first()).copied();
+                let shown = (self.selected, frame);
+                let worst = self.document.tracked.as_ref().and_then(|t| t.next_correction(shown));
                 if let Some(worst) = worst {
                     self.playback.stop();
                     self.playback.seek(worst.frame, now);

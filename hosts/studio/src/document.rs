@@ -70,6 +70,15 @@ pub(crate) struct Tracked {
     pub(crate) bounds: [f32; 4],
 }
 
+impl Tracked {
+    /// What is worth correcting next: the most helpful place, or where that is shown already, the one after it.
+    pub(crate) fn next_correction(&self, shown: (Option<usize>, u64)) -> Option<Correction> {
+        let is_shown = |c: &Correction| (Some(c.track as usize), c.frame) == shown;
+        let next = self.corrections.iter().position(is_shown).map_or(0, |at| at + 1);
+        self.corrections.get(next).or(self.corrections.first()).copied()
+    }
+}
+
 #[derive(Debug)]
 pub(crate) struct Document {
     session: Session,

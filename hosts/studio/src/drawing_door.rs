@@ -302,7 +302,8 @@ impl DrawingDoor {
                 }
             }
             Command::NextCorrection => {
-                let worst = self.shop.document.tracked.as_ref().and_then(|t| t.corrections.first()).copied();
+                let shown = (self.selected, frame);
+                let worst = self.shop.document.tracked.as_ref().and_then(|t| t.next_correction(shown));
                 if let Some(worst) = worst {
                     self.shop.playback.stop();
                     self.shop.playback.seek(worst.frame, 0.0);

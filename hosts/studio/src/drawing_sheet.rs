@@ -74,7 +74,7 @@ impl DrawingDoor {
             }
         }
         let handles = if editing { self.sheet_handles() } else { Vec::new() };
-        let done = self.sheet_hand.act(ui, &response, placed, &handles);
+        let done = self.sheet_hand.act(ui, &response, placed, (&handles, self.selected));
         self.sheet_hand.paint(&painter, placed, &handles, self.selected);
         painter.vline(panel.left(), panel.y_range(), Stroke::new(1.0, palette.outline));
         looking::toolbar(ui, panel, 4.0, |ui| {

@@ -46,10 +46,19 @@ impl Hand {
         self.0.filter(|held| held.0 == handle.number).map_or(handle.at, |held| held.1)
     }
 
-    pub(crate) fn act(&mut self, ui: &Ui, response: &Response, placed: Placement, handles: &[Handle]) -> Option<Done> {
+    /// Of handles that lie on each other the `selected` one is taken hold of.
+    pub(crate) fn act(
+        &mut self,
+        ui: &Ui,
+        response: &Response,
+        placed: Placement,
+        (handles, selected): (&[Handle], Option<usize>),
+    ) -> Option<Done> {
         let near = |at: Pos2| {
             let far = |h: &&Handle| placed.to_screen(h.at).distance(at);
-            handles.iter().filter(|h| far(h) <= NEAR).min_by(|a, b| far(a).total_cmp(&far(b))).map(|h| h.number)
+            let in_reach = || handles.iter().filter(|h| far(h) <= NEAR);
+            let chosen = in_reach().find(|h| Some(h.number) == selected);
+            chosen.or(in_reach().min_by(|a, b| far(a).total_cmp(&far(b)))).map(|h| h.number)
         };
         if response.drag_started_by(PointerButton::Primary) && !ui.input(|i| i.key_down(eframe::egui::Key::Space)) {
             let from = ui.input(|i| i.pointer.press_origin());

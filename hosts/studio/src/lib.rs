@@ -4,10 +4,10 @@
 //! for its window; [`run`] gives it one, and the tests drive it without.
 //!
 //! Who knows what: the [session](marey_binding::Session) is the document, and every edit goes through it (`document`).
-//! What is looked at and selected is the door's (`creature_door`, `character_door`, `drawing_door`; the latter two share
-//! a `workshop`), and so is what runs (`running`). Panels draw what they
-//! are given and answer with what the person asked for; the door does it. Decoding, drawing in 3D, opening and file
-//! dialogs have threads of their own, so that no frame of the window waits for any of them.
+//! What is looked at and selected is the door's (`creature_door`, `character_door`, `drawing_door`; the latter two share a
+//! `workshop`, steps that fill themselves in, `filling`, and the clip with its points, `clip_points`), and so is what runs
+//! (`running`). Panels draw what they are given and answer with what the person asked for; the door does it. Decoding,
+//! drawing in 3D, opening and file dialogs have threads of their own, so that no frame of the window waits for any of them.
 
 /// Threads that decode, draw and answer come and go, and the C library's allocator keeps an arena of what each has used:
 /// a desk of random gestures grew by 100 MB in ten minutes, none of which was in use.
