@@ -9,8 +9,20 @@ use marey_studio::egui::{Key, Modifiers};
 use super::{Desk, EDGE};
 
 /// What the page shows, in this order.
-pub const DOCS: [&str; 10] =
-    ["start", "drawing", "creature", "timing", "paint", "export", "character", "marks", "lives", "lives-export"];
+pub const DOCS: [&str; 12] = [
+    "start",
+    "drawing",
+    "creature",
+    "overlap",
+    "timing",
+    "paint",
+    "export",
+    "character",
+    "captured",
+    "marks",
+    "lives",
+    "lives-export",
+];
 
 /// The window as it is, without the frame that the harness lays around everything; an error where nothing draws.
 pub fn picture(desk: &mut Desk) -> Result<RgbImage, String> {
