@@ -124,9 +124,28 @@ impl Strip {
 
     /// Mean cost of a whole pose on the frame of `view`.
     pub(super) fn cost(&self, view: &View<'_>, frame: usize, pose: &[Vec2]) -> f32 {
-        let keys = self.keys_around(frame);
-        let edges: f32 = (0..pose.len() - 1).map(|e| self.edge_cost(view, keys, e, pose[e], pose[e + 1])).sum();
-        (edges + self.tip_cost(view, keys, pose)) / pose.len() as f32
+        self.cost_from(view, self.keys_around(frame), pose, &mut vec![0.0; pose.len()], 0, f32::INFINITY)
+    }
+
+    /// The same where `sums[e]` is known to be the cost of all edges before `e`, up to edge `from`; fills in the others.
+    /// Infinite, and the sums unfinished, as soon as it is more than `most`.
+    pub(super) fn cost_from(
+        &self,
+        view: &View<'_>,
+        keys: [usize; 2],
+        pose: &[Vec2],
+        sums: &mut [f32],
+        from: usize,
+        most: f32,
+    ) -> f32 {
+        let n = pose.len() as f32;
+        for e in from..pose.len() - 1 {
+            sums[e + 1] = sums[e] + self.edge_cost(view, keys, e, pose[e], pose[e + 1]);
+            if sums[e + 1] > most * n {
+                return f32::INFINITY;
+            }
+        }
+        (sums[pose.len() - 1] + self.tip_cost(view, keys, pose)) / n
     }
 }
 
