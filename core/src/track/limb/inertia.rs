@@ -107,11 +107,19 @@ fn kept_states(group: &Group<'_>, f: usize, through: &[f32], params: &SpaceTimeP
     let columns = group.counts(f)[1];
     let mut order: Vec<usize> = (0..through.len()).collect();
     let cheaper = |a: &usize, b: &usize| through[*a].total_cmp(&through[*b]).then(a.cmp(b));
+    let reach = |pose: &Vec<Vec2>| params.same * polyline::length(pose) * pose.len() as f32;
+    let reaches: Vec<Vec<f32>> =
+        group.chains().map(|chain| chain.lists[f].iter().map(|c| reach(&c.pose)).collect()).collect();
     let alike = |a: &State, b: &State| {
         group.chains().enumerate().all(|(limb, chain)| {
-            let [p, q] = [a[limb], b[limb]].map(|c| &chain.lists[f][c].pose);
-            let apart: f32 = p.iter().zip(q).map(|(p, q)| p.distance(*q)).sum();
-            a[limb] == b[limb] || apart < params.same * polyline::length(p) * p.len() as f32
+            let ([p, q], most) = ([a[limb], b[limb]].map(|c| &chain.lists[f][c].pose), reaches[limb][a[limb]]);
+            let mut apart = 0.0;
+            let mut near = |(p, q): (&Vec2, &Vec2)| {
+                apart += p.distance(*q);
+                apart < most
+            };
+            // From the free end, where poses differ most.
+            a[limb] == b[limb] || p.iter().zip(q).rev().all(&mut near)
         })
     };
     let most = params.states.clamp(1, usize::from(u16::MAX));

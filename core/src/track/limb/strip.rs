@@ -29,23 +29,29 @@ const TURNED: f32 = 0.15;
 /// The claims of nearer limbs are kept at one bit for so many working pixels.
 pub(super) const CLAIM_CELL: f32 = 2.0;
 
+/// Samples that are judged at once, those of an edge and some that count nothing.
+const WIDE: usize = SAMPLES.next_multiple_of(8);
+
+type Wide = [f32; WIDE];
+
+/// What the key frame showed on an edge.
 #[derive(Clone, Copy, Debug, Default)]
-struct Sample {
-    colour: [u8; 3],
+struct Samples {
+    colours: [Wide; 3],
     /// How much the colour counts; zero where the key frame showed something else.
-    inside: f32,
+    inside: Wide,
     /// How much it counts that nothing of the animal is there.
-    outside: f32,
+    outside: Wide,
 }
 
 /// The strip on one key frame.
 #[derive(Clone, Debug)]
 struct KeyStrip {
     frame: usize,
-    edges: Vec<[Sample; SAMPLES]>,
+    edges: Vec<Samples>,
     directions: Vec<Vec2>,
     /// Beyond the free end.
-    tip: [Sample; SAMPLES],
+    tip: Samples,
 }
 
 /// A limb's looks on all its key frames.
@@ -156,14 +162,14 @@ impl Strip {
         let mut samples = Vec::with_capacity((pose.len() - 1) * SAMPLES);
         for e in 0..pose.len() - 1 {
             let at = places(pose[e], pose[e + 1], self.radii[e], self.radii[e + 1]);
-            let first = judge(view, &self.keys[before].edges[e], &at);
-            let second = judge(view, &self.keys[after].edges[e], &at);
-            let key = &self.keys[if first <= second { before } else { after }].edges[e];
-            for (sample, &p) in key.iter().zip(&at) {
-                if sample.inside + sample.outside > 0.0 && !view.is_claimed(p) {
-                    let cost = judge_one(view, sample, p);
-                    let hidden = if sample.inside > 0.0 { HIDDEN * sample.inside } else { 0.0 };
-                    samples.push((p / CLAIM_CELL, (hidden - cost) * (NORM / pose.len() as f32)));
+            let cost = |key: usize| judge(view, &self.keys[key].edges[e], &at);
+            let key = if before == after || cost(before) <= cost(after) { before } else { after };
+            let key = &self.keys[key].edges[e];
+            let costs = key.costs(view, &at);
+            for (i, &p) in at.iter().enumerate() {
+                if key.counts(i) && !view.is_claimed(p) {
+                    let change = HIDDEN * key.inside[i] - costs[i];
+                    samples.push((p / CLAIM_CELL, change * (NORM / pose.len() as f32)));
                 }
             }
         }
@@ -198,28 +204,65 @@ impl KeyStrip {
         let edges = (0..pose.len() - 1)
             .map(|e| {
                 let at = places(pose[e], pose[e + 1], radii[e], radii[e + 1]);
-                std::array::from_fn(|i| learn(view, at[i], is_outside(i)))
+                Samples::learn(view, &at, is_outside)
             })
             .collect();
         let directions = pose.windows(2).map(|p| (p[1] - p[0]).try_normalize().unwrap_or(Vec2::X)).collect();
         let (a, b, r) = beyond(pose, radii);
         let at = places(a, b, r, r);
-        let tip = std::array::from_fn(|i| if closed { learn(view, at[i], true) } else { Sample::default() });
+        let tip = if closed { Samples::learn(view, &at, |_| true) } else { Samples::default() };
         Self { frame, edges, directions, tip }
     }
 }
 
-fn learn(view: &View<'_>, p: Vec2, outside: bool) -> Sample {
-    let Some(colour) = view.image.at(p) else { return Sample::default() };
-    if view.is_claimed(p) {
-        return Sample::default();
+impl Samples {
+    /// What is seen at places of a key frame, of which some are `outside` of the limb.
+    fn learn(view: &View<'_>, at: &[Vec2; SAMPLES], outside: impl Fn(usize) -> bool) -> Self {
+        let mut out = Self::default();
+        for (i, p) in at.iter().enumerate() {
+            let Some(colour) = view.image.at(*p) else { continue };
+            if view.is_claimed(*p) {
+                continue;
+            }
+            (0..3).for_each(|c| out.colours[c][i] = f32::from(colour[c]));
+            let animal = view.foreground.probability(colour);
+            if outside(i) {
+                out.outside[i] = if animal < 0.5 { 1.0 - animal } else { 0.0 };
+            } else {
+                // A stroke drawn past the limb's border is no reason to look for background.
+                out.inside[i] = if animal > 0.35 { 1.0 } else { 0.15 };
+            }
+        }
+        out
     }
-    let animal = view.foreground.probability(colour);
-    if outside {
-        Sample { colour, inside: 0.0, outside: if animal < 0.5 { 1.0 - animal } else { 0.0 } }
-    } else {
-        // A stroke drawn past the limb's border is no reason to look for background.
-        Sample { colour, inside: if animal > 0.35 { 1.0 } else { 0.15 }, outside: 0.0 }
+
+    /// Whether a sample counts at all.
+    #[inline]
+    fn counts(&self, i: usize) -> bool {
+        self.inside[i] + self.outside[i] > 0.0
+    }
+
+    /// What each sample costs at its place.
+    #[inline]
+    fn costs(&self, view: &View<'_>, at: &[Vec2; SAMPLES]) -> Wide {
+        let (mut colours, mut animal, mut hidden) = ([[0.0; WIDE]; 3], [0.0; WIDE], [true; WIDE]);
+        for (i, &p) in at.iter().enumerate() {
+            if self.counts(i)
+                && let Some(colour) = view.image.at(p)
+                && !(self.inside[i] > 0.0 && view.is_claimed(p))
+            {
+                (0..3).for_each(|c| colours[c][i] = f32::from(colour[c]));
+                animal[i] = view.foreground.probability(colour);
+                hidden[i] = false;
+            }
+        }
+        std::array::from_fn(|i| {
+            let [dl, da, db] = [0, 1, 2].map(|c| colours[c][i] - self.colours[c][i]);
+            let d = 0.5 * dl * dl + da * da + db * db;
+            let inside = TEXTURE * d / (d + COLOUR) + (1.0 - TEXTURE) * (1.0 - animal[i]);
+            let inside = if hidden[i] { HIDDEN } else { inside };
+            self.inside[i] * inside + self.outside[i] * OUTSIDE * animal[i]
+        })
     }
 }
 
@@ -227,30 +270,6 @@ fn learn(view: &View<'_>, p: Vec2, outside: bool) -> Sample {
 const NORM: f32 = 1.0 / (SAMPLES as f32 * 5.0 / 7.0);
 
 #[inline]
-fn judge(view: &View<'_>, samples: &[Sample; SAMPLES], at: &[Vec2; SAMPLES]) -> f32 {
-    let mut sum = 0.0;
-    for (sample, &p) in samples.iter().zip(at) {
-        if sample.inside + sample.outside == 0.0 {
-            continue;
-        }
-        if sample.inside > 0.0 && view.is_claimed(p) {
-            sum += sample.inside * HIDDEN;
-        } else {
-            sum += judge_one(view, sample, p);
-        }
-    }
-    sum * NORM
-}
-
-#[inline]
-fn judge_one(view: &View<'_>, sample: &Sample, p: Vec2) -> f32 {
-    let Some(colour) = view.image.at(p) else { return sample.inside * HIDDEN };
-    let animal = view.foreground.probability(colour);
-    if sample.inside > 0.0 {
-        let [dl, da, db] = [0, 1, 2].map(|c| f32::from(colour[c]) - f32::from(sample.colour[c]));
-        let d = 0.5 * dl * dl + da * da + db * db;
-        sample.inside * (TEXTURE * d / (d + COLOUR) + (1.0 - TEXTURE) * (1.0 - animal))
-    } else {
-        sample.outside * OUTSIDE * animal
-    }
+fn judge(view: &View<'_>, samples: &Samples, at: &[Vec2; SAMPLES]) -> f32 {
+    samples.costs(view, at)[..SAMPLES].iter().sum::<f32>() * NORM
 }
