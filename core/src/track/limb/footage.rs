@@ -48,6 +48,11 @@ impl LabImage {
         }
     }
 
+    /// All of them.
+    pub(super) fn pixels(&self) -> &Grid<[u8; 3]> {
+        &self.pixels
+    }
+
     /// Columns.
     pub(super) fn width(&self) -> usize {
         self.pixels.width()

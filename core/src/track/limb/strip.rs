@@ -8,7 +8,7 @@ use glam::Vec2;
 
 use super::footage::LabImage;
 use super::foreground::Foreground;
-use crate::raster::Mask;
+use crate::raster::{Grid, Mask};
 
 /// Places across the limb, in half widths: inside, and outside either border.
 const ACROSS: [f32; 7] = [-1.5, -0.75, -0.375, 0.0, 0.375, 0.75, 1.5];
@@ -66,12 +66,20 @@ pub(super) struct Strip {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct View<'a> {
     pub(super) image: &'a LabImage,
-    pub(super) foreground: &'a Foreground,
+    /// How likely each of its pixels is the animal's, see [`Foreground::seen`].
+    pub(super) animal: &'a Grid<u8>,
     /// What nearer limbs cover, at [`CLAIM_CELL`].
     pub(super) claimed: Option<&'a Mask>,
 }
 
 impl View<'_> {
+    /// The colour at `p` and the probability that it is the animal's, or nothing outside the picture.
+    #[inline]
+    pub(super) fn at(&self, p: Vec2) -> Option<([u8; 3], f32)> {
+        let colour = self.image.at(p)?;
+        Some((colour, Foreground::probability_of(self.animal.get(p.x as usize, p.y as usize))))
+    }
+
     #[inline]
     pub(super) fn is_claimed(&self, p: Vec2) -> bool {
         self.claimed.is_some_and(|m| m.at((p.x / CLAIM_CELL) as isize, (p.y / CLAIM_CELL) as isize))
@@ -169,7 +177,11 @@ impl Strip {
             for (i, &p) in at.iter().enumerate() {
                 if key.counts(i) && !view.is_claimed(p) {
                     let change = HIDDEN * key.inside[i] - costs[i];
-                    samples.push((p / CLAIM_CELL, change * (NORM / pose.len() as f32)));
+                    // What is off the picture is never hidden.
+                    if p.min_element() >= 0.0 {
+                        let cell = p / CLAIM_CELL;
+                        samples.push((cell.x as usize, cell.y as usize, change * (NORM / pose.len() as f32)));
+                    }
                 }
             }
         }
@@ -180,14 +192,15 @@ impl Strip {
 /// What hiding parts of a pose changes.
 #[derive(Clone, Debug)]
 pub(super) struct Hideable {
-    /// Places in claim cells, and what being hidden there adds to the pose's cost.
-    samples: Vec<(Vec2, f32)>,
+    /// Columns and rows in claim cells, and what being hidden there adds to the pose's cost.
+    samples: Vec<(usize, usize, f32)>,
 }
 
 impl Hideable {
     /// What the pose's cost changes by when `front` is in front of it.
     pub(super) fn change(&self, front: &Mask) -> f32 {
-        self.samples.iter().filter(|s| front.at(s.0.x as isize, s.0.y as isize)).map(|s| s.1).sum()
+        let inside = |x: usize, y: usize| x < front.width() && y < front.height() && front.get(x, y);
+        self.samples.iter().filter(|s| inside(s.0, s.1)).map(|s| s.2).sum()
     }
 }
 
@@ -220,12 +233,11 @@ impl Samples {
     fn learn(view: &View<'_>, at: &[Vec2; SAMPLES], outside: impl Fn(usize) -> bool) -> Self {
         let mut out = Self::default();
         for (i, p) in at.iter().enumerate() {
-            let Some(colour) = view.image.at(*p) else { continue };
+            let Some((colour, animal)) = view.at(*p) else { continue };
             if view.is_claimed(*p) {
                 continue;
             }
             (0..3).for_each(|c| out.colours[c][i] = f32::from(colour[c]));
-            let animal = view.foreground.probability(colour);
             if outside(i) {
                 out.outside[i] = if animal < 0.5 { 1.0 - animal } else { 0.0 };
             } else {
@@ -245,24 +257,28 @@ impl Samples {
     /// What each sample costs at its place.
     #[inline]
     fn costs(&self, view: &View<'_>, at: &[Vec2; SAMPLES]) -> Wide {
-        let (mut colours, mut animal, mut hidden) = ([[0.0; WIDE]; 3], [0.0; WIDE], [true; WIDE]);
+        let (mut colours, mut animal, mut hidden) = ([[0.0; WIDE]; 3], [0.0; WIDE], [1.0; WIDE]);
         for (i, &p) in at.iter().enumerate() {
             if self.counts(i)
-                && let Some(colour) = view.image.at(p)
+                && let Some((colour, likely)) = view.at(p)
                 && !(self.inside[i] > 0.0 && view.is_claimed(p))
             {
                 (0..3).for_each(|c| colours[c][i] = f32::from(colour[c]));
-                animal[i] = view.foreground.probability(colour);
-                hidden[i] = false;
+                animal[i] = likely;
+                hidden[i] = 0.0;
             }
         }
-        std::array::from_fn(|i| {
-            let [dl, da, db] = [0, 1, 2].map(|c| colours[c][i] - self.colours[c][i]);
+        let mut costs = [0.0; WIDE];
+        for i in 0..WIDE {
+            let dl = colours[0][i] - self.colours[0][i];
+            let da = colours[1][i] - self.colours[1][i];
+            let db = colours[2][i] - self.colours[2][i];
             let d = 0.5 * dl * dl + da * da + db * db;
             let inside = TEXTURE * d / (d + COLOUR) + (1.0 - TEXTURE) * (1.0 - animal[i]);
-            let inside = if hidden[i] { HIDDEN } else { inside };
-            self.inside[i] * inside + self.outside[i] * OUTSIDE * animal[i]
-        })
+            let inside = if hidden[i] > 0.0 { HIDDEN } else { inside };
+            costs[i] = self.inside[i] * inside + self.outside[i] * OUTSIDE * animal[i];
+        }
+        costs
     }
 }
 

@@ -173,10 +173,12 @@ impl Footage {
     pub(super) fn follow(&self, p: Vec2, from: usize, to: usize) -> (Vec2, f32) {
         let Some((along, against)) = self.limbs.flows(from, to) else { return (p, 0.0) };
         let (before, after) = (&self.pictures[from], &self.pictures[to]);
-        let steps: [f32; PATCH] =
-            std::array::from_fn(|i| (i as f32 - 0.5 * (PATCH - 1) as f32) * (PATCH_STEP * self.unit));
+        let (mut steps, mut patch) = ([0.0; PATCH], [[[0.0f32; 4]; PATCH]; PATCH]);
+        for (i, step) in steps.iter_mut().enumerate() {
+            *step = (i as f32 - 0.5 * (PATCH - 1) as f32) * (PATCH_STEP * self.unit);
+        }
         let at = before.lattice(p, &steps);
-        let patch: [[[f32; 4]; PATCH]; PATCH] = std::array::from_fn(|row| at.row(row));
+        patch.iter_mut().enumerate().for_each(|(row, pixels)| *pixels = at.row(row));
         // Infinite where it is no less than `most`: few motions need to be looked at in full.
         let miss = |motion: Vec2, most: f32| -> f32 {
             let at = after.lattice(p + motion, &steps);

@@ -108,11 +108,13 @@ impl Levels {
     pub(super) fn lattice<const N: usize>(&self, p: Vec2, steps: &[f32; N]) -> Lattice<'_, N> {
         let (width, height, pixels) = &self.levels[0];
         let between = |centre: f32, size: usize| {
-            steps.map(|step| {
+            let mut out = [(0, 0, 0.0); N];
+            for (out, step) in out.iter_mut().zip(steps) {
                 let x = (centre + step - 0.5).clamp(0.0, (size - 1) as f32);
                 let x0 = x as usize;
-                (x0, (x0 + 1).min(size - 1), x - x0 as f32)
-            })
+                *out = (x0, (x0 + 1).min(size - 1), x - x0 as f32);
+            }
+            out
         };
         Lattice { width: *width, pixels, columns: between(p.x, *width), rows: between(p.y, *height) }
     }
@@ -159,13 +161,16 @@ impl<const N: usize> Lattice<'_, N> {
     pub(super) fn row(&self, row: usize) -> [[f32; 4]; N] {
         let (above, below, fy) = self.rows[row];
         let [above, below] = [above, below].map(|y| &self.pixels[y * self.width..(y + 1) * self.width]);
-        self.columns.map(|(left, right, fx)| {
-            let mix = |a: Pixel, b: Pixel| -> [f32; 4] {
-                std::array::from_fn(|i| f32::from(a[i]) * (1.0 - fx) + f32::from(b[i]) * fx)
-            };
-            let (top, bottom) = (mix(above[left], above[right]), mix(below[left], below[right]));
-            std::array::from_fn(|i| top[i] * (1.0 - fy) + bottom[i] * fy)
-        })
+        let mut out = [[0.0; 4]; N];
+        for (out, (left, right, fx)) in out.iter_mut().zip(self.columns) {
+            let (a, b, c, d) = (above[left], above[right], below[left], below[right]);
+            for i in 0..4 {
+                let top = f32::from(a[i]) * (1.0 - fx) + f32::from(b[i]) * fx;
+                let bottom = f32::from(c[i]) * (1.0 - fx) + f32::from(d[i]) * fx;
+                out[i] = top * (1.0 - fy) + bottom * fy;
+            }
+        }
+        out
     }
 }
 
