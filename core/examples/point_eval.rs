@@ -197,7 +197,20 @@ fn main() -> Result<(), AnyError> {
     }
     println!(
         "{:<18} {:>6} {:>6} {:>6} {:>6} {:>6} | {:>5} {:>5} {:>7} {:>6} | {:>6} {:>6} {:>6} {:>6}",
-        "", "PCK20", "PCK05", "median", "swaps", "sure", "corr", "left", "a corr", "swaps", "read", "solve", "worst", "mean"
+        "",
+        "PCK20",
+        "PCK05",
+        "median",
+        "swaps",
+        "sure",
+        "corr",
+        "left",
+        "a corr",
+        "swaps",
+        "read",
+        "solve",
+        "worst",
+        "mean"
     );
     let mut means = vec![(0.0f32, 0.0f32, 0.0f32); sets.len()];
     for folder in &folders {

@@ -17,30 +17,14 @@ const STRIDE: usize = 4;
 const STEPS: usize = 12;
 const AREA: f32 = (PATCH * PATCH) as f32;
 
-/// The pixels of a patch, row by row.
-type Pixels = [f32; PATCH * PATCH];
-
-/// The sum over a patch of what `value` says of every pixel, in one fixed order that wide instructions can take.
-#[inline]
-fn sum(value: impl Fn(usize) -> f32) -> f32 {
-    let mut lanes = [0.0f32; PATCH];
-    for row in 0..PATCH {
-        for (i, lane) in lanes.iter_mut().enumerate() {
-            *lane += value(row * PATCH + i);
-        }
-    }
-    let [a, b, c, d, e, f, g, h] = lanes;
-    ((a + e) + (c + g)) + ((b + f) + (d + h))
-}
-
 /// What the descent needs of one patch of the first picture.
 struct Patch {
     /// Left and top in padded pixels.
     x: usize,
     y: usize,
-    pixels: Pixels,
-    dx: Pixels,
-    dy: Pixels,
+    pixels: [f32; PATCH * PATCH],
+    dx: [f32; PATCH * PATCH],
+    dy: [f32; PATCH * PATCH],
     /// Inverse of the mean-free 2x2 normal matrix: xx, xy, yy; zero on flat patches.
     inverse: [f32; 3],
 }
@@ -108,14 +92,14 @@ fn cut(a: &Level, x: usize, y: usize) -> Patch {
         patch.dx[to.clone()].copy_from_slice(&a.dx.row(y + row)[x..x + PATCH]);
         patch.dy[to].copy_from_slice(&a.dy.row(y + row)[x..x + PATCH]);
     }
-    let centre = |values: &mut Pixels| {
-        let mean = sum(|i| values[i]) / AREA;
+    let centre = |values: &mut [f32; PATCH * PATCH]| {
+        let mean = values.iter().sum::<f32>() / AREA;
         values.iter_mut().for_each(|v| *v -= mean);
     };
     centre(&mut patch.pixels);
     centre(&mut patch.dx);
     centre(&mut patch.dy);
-    let dot = |p: &Pixels, q: &Pixels| sum(|i| p[i] * q[i]);
+    let dot = |p: &[f32], q: &[f32]| p.iter().zip(q).map(|(a, b)| a * b).sum::<f32>();
     let (xx, xy, yy) = (dot(&patch.dx, &patch.dx), dot(&patch.dx, &patch.dy), dot(&patch.dy, &patch.dy));
     // Damped, so that a patch with one edge moves only across it.
     let damp = 0.01 * (xx + yy) + 1.0;
@@ -129,7 +113,7 @@ fn cut(a: &Level, x: usize, y: usize) -> Patch {
 
 /// The mean-free difference of `b` moved by `flow` and the patch, and its squared sum.
 #[inline]
-fn residual(patch: &Patch, b: &Level, flow: Vec2) -> (Pixels, f32) {
+fn residual(patch: &Patch, b: &Level, flow: Vec2) -> ([f32; PATCH * PATCH], f32) {
     let limit = |v: f32, size: usize| v.clamp(0.0, (size - PATCH - 2) as f32);
     let x = limit(patch.x as f32 + flow.x, b.image.width());
     let y = limit(patch.y as f32 + flow.y, b.image.height());
@@ -145,11 +129,13 @@ fn residual(patch: &Patch, b: &Level, flow: Vec2) -> (Pixels, f32) {
             line[i] = w00 * top[i] + w10 * top[i + 1] + w01 * bottom[i] + w11 * bottom[i + 1];
         }
     }
-    let mean = sum(|i| out[i]) / AREA;
+    let mean = out.iter().sum::<f32>() / AREA;
+    let mut sum = 0.0;
     for (o, p) in out.iter_mut().zip(&patch.pixels) {
         *o -= mean + p;
+        sum += *o * *o;
     }
-    (out, sum(|i| out[i] * out[i]))
+    (out, sum)
 }
 
 fn descend(patch: &Patch, b: &Level, start: Vec2, start_cost: f32) -> (Vec2, f32) {
@@ -161,7 +147,11 @@ fn descend(patch: &Patch, b: &Level, start: Vec2, start_cost: f32) -> (Vec2, f32
         } else if cost > 1.2 * best_cost {
             break;
         }
-        let (gx, gy) = (sum(|i| patch.dx[i] * difference[i]), sum(|i| patch.dy[i] * difference[i]));
+        let (mut gx, mut gy) = (0.0, 0.0);
+        for i in 0..PATCH * PATCH {
+            gx += patch.dx[i] * difference[i];
+            gy += patch.dy[i] * difference[i];
+        }
         let [xx, xy, yy] = patch.inverse;
         let step = Vec2::new(xx * gx + xy * gy, xy * gx + yy * gy);
         flow -= step;
@@ -174,25 +164,28 @@ fn descend(patch: &Patch, b: &Level, start: Vec2, start_cost: f32) -> (Vec2, f32
 }
 
 fn densify(a: &Level, b: &Level, patches: &[Patch], flow: &[Vec2]) -> Grid<Vec2> {
-    // Flow times weight, and weight.
-    let mut sums = [0.0f32; 3].map(|zero| Grid::new(a.width, a.height, zero));
-    for (patch, f) in patches.iter().zip(flow) {
-        let difference = residual(patch, b, *f).0;
-        let weights = difference.map(|d| 1.0 / d.abs().max(1.0));
-        for (row, weights) in weights.chunks_exact(PATCH).enumerate() {
+    let mut sum = Grid::new(a.width, a.height, Vec2::ZERO);
+    let mut weight = Grid::new(a.width, a.height, 0.0f32);
+    for (patch, &f) in patches.iter().zip(flow) {
+        let difference = residual(patch, b, f).0;
+        for row in 0..PATCH {
             let y = patch.y - PAD + row;
             if y >= a.height {
                 break;
             }
             let x = patch.x - PAD;
             let n = PATCH.min(a.width - x);
-            for (sum, times) in sums.iter_mut().zip([f.x, f.y, 1.0]) {
-                sum.row_mut(y)[x..x + n].iter_mut().zip(weights).for_each(|(s, w)| *s += times * w);
+            let sums = &mut sum.row_mut(y)[x..x + n];
+            let weights = &mut weight.row_mut(y)[x..x + n];
+            for i in 0..n {
+                let w = 1.0 / difference[row * PATCH + i].abs().max(1.0);
+                sums[i] += f * w;
+                weights[i] += w;
             }
         }
     }
-    let [u, v, weight] = &sums;
-    let mean = |((u, v), w): ((&f32, &f32), &f32)| Vec2::new(*u, *v) / w.max(1e-6);
-    let dense = u.data().iter().zip(v.data()).zip(weight.data()).map(mean).collect();
-    Grid::from_vec(a.width, a.height, dense)
+    for (s, w) in sum.data_mut().iter_mut().zip(weight.data()) {
+        *s /= w.max(1e-6);
+    }
+    sum
 }

@@ -21,256 +21,157 @@ const RELAXATION: f32 = 1.6;
 const EPSILON: f32 = 1e-3;
 /// Gradients (in brightness levels) below this do not blow up their normalised terms.
 const FLAT: f32 = 0.1;
-/// Pixels that are worked on at once; rows are padded to whole blocks of them.
-const LANES: usize = 8;
 
-type Lanes = [f32; LANES];
-
-/// One linear equation a pixel in the increment, `w (c + x du + y dv)^2`.
+/// One linear equation in the increment, `w (c + x du + y dv)^2`, per data term.
 #[derive(Clone, Copy, Default)]
 struct Term {
-    c: Lanes,
-    x: Lanes,
-    y: Lanes,
-    norm: Lanes,
-}
-
-/// What a pixel's flow is moved to with its neighbours fixed, all of it times the relaxation: `base + inverse * (sum of
-/// link * neighbour)`.
-#[derive(Clone, Copy, Default)]
-struct Pull {
-    /// How strongly it hangs on its neighbours on the right, above and below.
-    links: [Lanes; 3],
-    base: [Lanes; 2],
-    /// Of the 2x2 system: xx, xy, yy.
-    inverse: [Lanes; 3],
-    /// The same times the link with the neighbour on the left.
-    left: [Lanes; 3],
-}
-
-/// A plane with a border of one pixel around it, its rows padded to whole blocks.
-struct Bordered {
-    stride: usize,
-    values: Vec<f32>,
-}
-
-impl Bordered {
-    fn new(width: usize, height: usize) -> Self {
-        let stride = width.next_multiple_of(LANES) + 2;
-        Self { stride, values: vec![0.0; stride * (height + 2)] }
-    }
-
-    /// Where column 0 of row `y` is.
-    fn start(&self, y: usize) -> usize {
-        (y + 1) * self.stride + 1
-    }
-
-    #[inline]
-    fn row_mut(&mut self, y: usize, width: usize) -> &mut [f32] {
-        let start = self.start(y);
-        &mut self.values[start..start + width]
-    }
-}
-
-#[inline]
-fn lanes(values: &[f32], start: usize) -> &Lanes {
-    values[start..].first_chunk().unwrap_or(&[0.0; LANES])
+    c: f32,
+    x: f32,
+    y: f32,
+    norm: f32,
 }
 
 /// Moves `flow` toward the energy's minimum near it.
 pub(super) fn refine(a: &Level, b: &Level, flow: &mut Grid<Vec2>) {
     let (w, h) = (a.width, a.height);
     let terms = linearise(a, b, flow);
-    let mut at = [Bordered::new(w, h), Bordered::new(w, h)];
-    for y in 0..h {
-        for (x, f) in flow.row(y).iter().enumerate() {
-            let i = at[0].start(y) + x;
-            (at[0].values[i], at[1].values[i]) = (f.x, f.y);
-        }
-    }
-    let first = [at[0].values.clone(), at[1].values.clone()];
-    // Link `x` of a row is with the pixel before `x`; row `y` of links is with the row before `y`.
-    let (mut beside, mut above) = (Bordered::new(w, h), Bordered::new(w, h));
-    let mut moved = vec![[0.0f32; 2]; w.next_multiple_of(LANES)];
-    let mut pulls = vec![Pull::default(); terms.len() / 3];
+    let mut step = Grid::new(w, h, Vec2::ZERO);
+    let mut right = Grid::new(w, h, 0.0f32);
+    let mut down = Grid::new(w, h, 0.0f32);
+    // The 2x2 system of a pixel: xx, xy, yy, and the right-hand side.
+    let mut system = vec![[0.0f32; 5]; w * h];
     for _ in 0..ROUNDS {
-        link(&at, &mut beside, &mut above, w, h);
-        let blocks = w.div_ceil(LANES);
-        for (i, (pull, terms)) in pulls.iter_mut().zip(terms.chunks_exact(3)).enumerate() {
-            let start = at[0].start(i / blocks) + i % blocks * LANES;
-            let links = [
-                lanes(&beside.values, start),
-                lanes(&beside.values, start + 1),
-                lanes(&above.values, start),
-                lanes(&above.values, start + above.stride),
-            ];
-            let now = [0, 1].map(|c| lanes(&at[c].values, start));
-            *pull = Pull::new(terms, links.map(|l| *l), now, [0, 1].map(|c| lanes(&first[c], start)));
+        smoothness(flow, &step, &mut right, &mut down);
+        for ((out, t), d) in system.iter_mut().zip(&terms).zip(step.data()) {
+            *out = normal_equation(t, *d);
         }
         for _ in 0..SWEEPS {
-            relax(&mut at, &pulls, blocks, &mut moved);
+            relax(flow, &mut step, &right, &down, &system);
         }
     }
-    for y in 0..h {
-        let start = at[0].start(y);
-        for (x, f) in flow.row_mut(y).iter_mut().enumerate() {
-            // A step beyond the linearisation's reach is no information.
-            *f += (Vec2::new(at[0].values[start + x], at[1].values[start + x]) - *f).clamp_length_max(2.0);
-        }
+    for (f, s) in flow.data_mut().iter_mut().zip(step.data()) {
+        // A step beyond the linearisation's reach is no information.
+        *f += s.clamp_length_max(2.0);
     }
 }
 
-/// Brightness and gradient constancy around the current warp, three terms for every block of a row.
-fn linearise(a: &Level, b: &Level, flow: &Grid<Vec2>) -> Vec<Term> {
+/// Brightness and gradient constancy around the current warp.
+fn linearise(a: &Level, b: &Level, flow: &Grid<Vec2>) -> Vec<[Term; 3]> {
     let (w, h) = (a.width, a.height);
-    let [image, dx, dy] = warp(b, flow);
-    let mut terms = Vec::with_capacity(3 * h * w.div_ceil(LANES));
+    let warped: Vec<Grid<f32>> = [&b.image, &b.dx, &b.dy].into_iter().map(|channel| warp(channel, flow)).collect();
+    let mut terms = Vec::with_capacity(w * h);
     for y in 0..h {
-        let (up, down) = (dx.start(y.saturating_sub(1)), dx.start((y + 1).min(h - 1)));
-        let source = (y + PAD) * a.image.width() + PAD;
-        for x in (0..w).step_by(LANES) {
-            let start = dx.start(y) + x;
-            let of = |plane: &Grid<f32>| *lanes(plane.data(), source + x);
-            let (a_image, a_dx, a_dy) = (of(&a.image), of(&a.dx), of(&a.dy));
-            let (b_image, b_dx, b_dy) = (lanes(&image.values, start), lanes(&dx.values, start), lanes(&dy.values, start));
-            let half = |plane: &Bordered, after: usize, before: usize| -> Lanes {
-                let (after, before) = (lanes(&plane.values, after), lanes(&plane.values, before));
-                std::array::from_fn(|i| 0.5 * (after[i] - before[i]))
+        for x in 0..w {
+            let (px, py) = (x + PAD, y + PAD);
+            let (bx, by) = (warped[1].get(x, y), warped[2].get(x, y));
+            let (gx, gy) = (0.5 * (a.dx.get(px, py) + bx), 0.5 * (a.dy.get(px, py) + by));
+            let (l, r) = (x.saturating_sub(1), (x + 1).min(w - 1));
+            let (u, d) = (y.saturating_sub(1), (y + 1).min(h - 1));
+            let xx = 0.5 * (warped[1].get(r, y) - warped[1].get(l, y));
+            let xy = 0.5 * (warped[1].get(x, d) - warped[1].get(x, u));
+            let yy = 0.5 * (warped[2].get(x, d) - warped[2].get(x, u));
+            let term = |c: f32, gx: f32, gy: f32, weight: f32| {
+                let norm = weight / (gx * gx + gy * gy + FLAT);
+                Term { c, x: gx, y: gy, norm }
             };
-            let (xx, xy, yy) = (half(&dx, start + 1, start - 1), half(&dx, down + x, up + x), half(&dy, down + x, up + x));
-            let between = |a: &Lanes, b: &Lanes| -> Lanes { std::array::from_fn(|i| 0.5 * (a[i] + b[i])) };
-            let (gx, gy) = (between(&a_dx, b_dx), between(&a_dy, b_dy));
-            let term = |a: &Lanes, b: &Lanes, x: Lanes, y: Lanes, weight: f32| Term {
-                c: std::array::from_fn(|i| b[i] - a[i]),
-                norm: std::array::from_fn(|i| weight / (x[i] * x[i] + y[i] * y[i] + FLAT)),
-                x,
-                y,
-            };
-            terms.push(term(&a_image, b_image, gx, gy, DELTA));
-            terms.push(term(&a_dx, b_dx, xx, xy, GAMMA));
-            terms.push(term(&a_dy, b_dy, xy, yy, GAMMA));
+            terms.push([
+                term(warped[0].get(x, y) - a.image.get(px, py), gx, gy, DELTA),
+                term(bx - a.dx.get(px, py), xx, xy, GAMMA),
+                term(by - a.dy.get(px, py), xy, yy, GAMMA),
+            ]);
         }
     }
     terms
 }
 
-/// A level's brightness and differences where `flow` leads; the border repeats what is beside it.
-fn warp(level: &Level, flow: &Grid<Vec2>) -> [Bordered; 3] {
+fn warp(padded: &Grid<f32>, flow: &Grid<Vec2>) -> Grid<f32> {
     let (w, h) = (flow.width(), flow.height());
-    let mut out = [0; 3].map(|_| Bordered::new(w, h));
-    let width = level.image.width();
-    let (limit_x, limit_y) = ((width - 2) as f32, (level.image.height() - 2) as f32);
-    let channels = [level.image.data(), level.dx.data(), level.dy.data()];
+    let mut out = Grid::new(w, h, 0.0);
+    let (limit_x, limit_y) = ((padded.width() - 2) as f32, (padded.height() - 2) as f32);
     for y in 0..h {
-        let start = out[0].start(y);
-        for (x, f) in flow.row(y).iter().enumerate() {
-            let u = ((x + PAD) as f32 + f.x).clamp(0.0, limit_x);
-            let v = ((y + PAD) as f32 + f.y).clamp(0.0, limit_y);
+        let flows = flow.row(y);
+        for (x, o) in out.row_mut(y).iter_mut().enumerate() {
+            let u = ((x + PAD) as f32 + flows[x].x).clamp(0.0, limit_x);
+            let v = ((y + PAD) as f32 + flows[x].y).clamp(0.0, limit_y);
             let (x0, y0) = (u as usize, v as usize);
             let (fx, fy) = (u - x0 as f32, v - y0 as f32);
-            let i = y0 * width + x0;
-            for (channel, out) in channels.iter().zip(&mut out) {
-                let (top, bottom) = (&channel[i..i + 2], &channel[i + width..i + width + 2]);
-                let upper = top[0] + fx * (top[1] - top[0]);
-                let lower = bottom[0] + fx * (bottom[1] - bottom[0]);
-                out.values[start + x] = upper + fy * (lower - upper);
-            }
-        }
-        for out in &mut out {
-            out.values[start - 1] = out.values[start];
-            out.values[start + w] = out.values[start + w - 1];
+            let (top, bottom) = (padded.row(y0), padded.row(y0 + 1));
+            let upper = top[x0] + fx * (top[x0 + 1] - top[x0]);
+            let lower = bottom[x0] + fx * (bottom[x0 + 1] - bottom[x0]);
+            *o = upper + fy * (lower - upper);
         }
     }
     out
 }
 
-/// Diffusivities between neighbours.
-fn link(at: &[Bordered; 2], beside: &mut Bordered, above: &mut Bordered, w: usize, h: usize) {
-    let [u, v] = [&at[0].values, &at[1].values];
-    let strength = |out: &mut [f32], here: usize, before: usize| {
-        let n = out.len();
-        let (u0, v0, u1, v1) = (&u[before..][..n], &v[before..][..n], &u[here..][..n], &v[here..][..n]);
-        for i in 0..n {
-            let (du, dv) = (u1[i] - u0[i], v1[i] - v0[i]);
-            out[i] = ALPHA / (du * du + dv * dv + EPSILON).sqrt();
-        }
-    };
+/// Diffusivities between neighbours: right and down.
+fn smoothness(flow: &Grid<Vec2>, step: &Grid<Vec2>, right: &mut Grid<f32>, down: &mut Grid<f32>) {
+    let (w, h) = (flow.width(), flow.height());
+    let sum = |x: usize, y: usize| flow.get(x, y) + step.get(x, y);
     for y in 0..h {
-        let start = at[0].start(y);
-        strength(&mut beside.row_mut(y, w)[1..], start + 1, start);
-        if y > 0 {
-            strength(above.row_mut(y, w), start, start - at[0].stride);
+        for x in 0..w {
+            let here = sum(x, y);
+            let strength = |to: Vec2| ALPHA / ((to - here).length_squared() + EPSILON).sqrt();
+            right.set(x, y, if x + 1 < w { strength(sum(x + 1, y)) } else { 0.0 });
+            down.set(x, y, if y + 1 < h { strength(sum(x, y + 1)) } else { 0.0 });
         }
     }
 }
 
-impl Pull {
-    /// From what is known of the increment since `first` when the flow is `now`.
-    #[inline]
-    fn new(terms: &[Term], links: [Lanes; 4], now: [&Lanes; 2], first: [&Lanes; 2]) -> Self {
-        let [left, right, above, below] = links;
-        let mut out = Self { links: [right, above, below], ..Self::default() };
-        for i in 0..LANES {
-            let weight = left[i] + right[i] + above[i] + below[i];
-            let (du, dv) = (now[0][i] - first[0][i], now[1][i] - first[1][i]);
-            let (mut xx, mut xy, mut yy) = (weight, 0.0, weight);
-            let (mut rx, mut ry) = (-weight * first[0][i], -weight * first[1][i]);
-            for t in terms {
-                let error = t.c[i] + t.x[i] * du + t.y[i] * dv;
-                let weight = t.norm[i] / (t.norm[i] * error * error + EPSILON).sqrt();
-                xx += weight * t.x[i] * t.x[i];
-                xy += weight * t.x[i] * t.y[i];
-                yy += weight * t.y[i] * t.y[i];
-                rx -= weight * t.x[i] * t.c[i];
-                ry -= weight * t.y[i] * t.c[i];
-            }
-            let determinant = xx * yy - xy * xy;
-            // A pixel without a neighbour on a flat picture stays.
-            let one = if determinant > 1e-12 { RELAXATION / determinant } else { 0.0 };
-            for (k, part) in [yy * one, -xy * one, xx * one].into_iter().enumerate() {
-                out.inverse[k][i] = part;
-                out.left[k][i] = part * left[i];
-            }
-            out.base[0][i] = RELAXATION * first[0][i] + one * (yy * rx - xy * ry);
-            out.base[1][i] = RELAXATION * first[1][i] + one * (xx * ry - xy * rx);
-        }
-        out
+#[inline]
+fn normal_equation(terms: &[Term; 3], d: Vec2) -> [f32; 5] {
+    let mut out = [0.0; 5];
+    for t in terms {
+        let error = t.c + t.x * d.x + t.y * d.y;
+        let weight = t.norm / (t.norm * error * error + EPSILON).sqrt();
+        out[0] += weight * t.x * t.x;
+        out[1] += weight * t.x * t.y;
+        out[2] += weight * t.y * t.y;
+        out[3] -= weight * t.x * t.c;
+        out[4] -= weight * t.y * t.c;
     }
+    out
 }
 
-/// One sweep over all pixels, each solved with its neighbours fixed: for a row first all that does not hang on the pixel
-/// before, several pixels at once, then that.
-fn relax(at: &mut [Bordered; 2], pulls: &[Pull], blocks: usize, moved: &mut [[f32; 2]]) {
-    let [u, v] = at;
-    let stride = u.stride;
-    for (y, pulls) in pulls.chunks_exact(blocks).enumerate() {
-        let row = u.start(y);
-        for (x, (p, moved)) in pulls.iter().zip(moved.as_chunks_mut::<LANES>().0).enumerate() {
-            let start = row + x * LANES;
-            let pulled = |plane: &Bordered| -> Lanes {
-                let from = |i: usize| lanes(&plane.values, i);
-                let (right, above, below) = (from(start + 1), from(start - stride), from(start + stride));
-                std::array::from_fn(|i| p.links[0][i] * right[i] + p.links[1][i] * above[i] + p.links[2][i] * below[i])
+/// Rows that are swept at once, each a pixel behind the one above: every pixel then meets what it would row by row, and
+/// waits only for the pixel before it, while the other rows go on.
+const ROWS: usize = 4;
+
+/// One sweep over all pixels, each solved with its neighbours fixed.
+fn relax(flow: &Grid<Vec2>, step: &mut Grid<Vec2>, right: &Grid<f32>, down: &Grid<f32>, system: &[[f32; 5]]) {
+    let (w, h) = (flow.width(), flow.height());
+    for first in (0..h).step_by(ROWS) {
+        let rows = ROWS.min(h - first);
+        for (x, y) in (0..w + rows - 1).flat_map(|t| (0..rows).map(move |row| (t.wrapping_sub(row), first + row))) {
+            if x >= w {
+                continue;
+            }
+            let here = flow.get(x, y);
+            let (mut weight, mut pull) = (0.0, Vec2::ZERO);
+            let mut link = |strength: f32, nx: usize, ny: usize| {
+                weight += strength;
+                pull += strength * (flow.get(nx, ny) + step.get(nx, ny) - here);
             };
-            let (pu, pv) = (pulled(u), pulled(v));
-            let (old_u, old_v) = (lanes(&u.values, start), lanes(&v.values, start));
-            for i in 0..LANES {
-                let [xx, xy, yy] = [0, 1, 2].map(|k| p.inverse[k][i]);
-                moved[i] = [
-                    p.base[0][i] + xx * pu[i] + xy * pv[i] + (1.0 - RELAXATION) * old_u[i],
-                    p.base[1][i] + xy * pu[i] + yy * pv[i] + (1.0 - RELAXATION) * old_v[i],
-                ];
+            if x > 0 {
+                link(right.get(x - 1, y), x - 1, y);
             }
-        }
-        let (mut left_u, mut left_v) = (0.0, 0.0);
-        for (x, (p, moved)) in pulls.iter().zip(moved.as_chunks::<LANES>().0).enumerate() {
-            let start = row + x * LANES;
-            for i in 0..LANES {
-                let [xx, xy, yy] = [0, 1, 2].map(|k| p.left[k][i]);
-                let next_u = moved[i][0] + (xx * left_u + xy * left_v);
-                let next_v = moved[i][1] + (xy * left_u + yy * left_v);
-                (left_u, left_v) = (next_u, next_v);
-                (u.values[start + i], v.values[start + i]) = (next_u, next_v);
+            if x + 1 < w {
+                link(right.get(x, y), x + 1, y);
+            }
+            if y > 0 {
+                link(down.get(x, y - 1), x, y - 1);
+            }
+            if y + 1 < h {
+                link(down.get(x, y), x, y + 1);
+            }
+            let [xx, xy, yy, rx, ry] = system[y * w + x];
+            let (xx, yy) = (xx + weight, yy + weight);
+            let old = step.get(x, y);
+            let (rx, ry) = (rx + pull.x, ry + pull.y);
+            let determinant = xx * yy - xy * xy;
+            if determinant > 1e-12 {
+                let solved = Vec2::new(yy * rx - xy * ry, xx * ry - xy * rx) / determinant;
+                step.set(x, y, old + RELAXATION * (solved - old));
             }
         }
     }

@@ -52,7 +52,8 @@ pub(super) fn best_path(group: &Group<'_>, params: &SpaceTimeParams, stage: Stag
             .map(|a| {
                 let (mut best, mut link) = (vec![f32::INFINITY; m], vec![0u16; m]);
                 let mut cost = vec![0.0f32; m];
-                let mut before: Vec<(f32, u16)> = (0..states[f - 2].len()).map(|p| (value[p * n + a], p as u16)).collect();
+                let mut before: Vec<(f32, u16)> =
+                    (0..states[f - 2].len()).map(|p| (value[p * n + a], p as u16)).collect();
                 before.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
                 let mut worst = f32::INFINITY;
                 for (reached, p) in before {

@@ -42,8 +42,11 @@ impl Pin {
         let last = (pose.len() - 1) as f32;
         let moved = |(i, p): (usize, &Vec2)| {
             let along = i as f32 / last;
-            let weight =
-                if along <= self.share { along / self.share.max(0.05) } else { (1.0 - along) / (1.0 - self.share).max(0.05) };
+            let weight = if along <= self.share {
+                along / self.share.max(0.05)
+            } else {
+                (1.0 - along) / (1.0 - self.share).max(0.05)
+            };
             *p + weight.min(1.0) * miss
         };
         pose.iter().enumerate().map(moved).collect()

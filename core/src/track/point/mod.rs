@@ -153,7 +153,8 @@ impl PointFootage {
     /// Finds where all points together would have each, unless the keys that this hangs on are the same as before.
     fn guide(&mut self, marks: &PointMarks, stage: Stage<'_>) -> Result<()> {
         let firsts = first_keys(marks, self.footage.scale);
-        let pins = if self.params.pinned { later_keys(marks, self.footage.scale) } else { vec![Vec::new(); firsts.len()] };
+        let pins =
+            if self.params.pinned { later_keys(marks, self.footage.scale) } else { vec![Vec::new(); firsts.len()] };
         if (firsts == self.firsts && pins == self.pins) || self.params.guide <= 0.0 {
             return Ok(());
         }

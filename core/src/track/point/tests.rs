@@ -175,7 +175,8 @@ fn points_on_a_swinging_arm_guide_each_other_along_it() {
     assert_eq!(footage.guides, first);
     let before = footage.track(&points, Progress::new().whole()).expect("tracked");
     let anew = footage.track(&corrected, Progress::new().whole()).expect("tracked");
-    let at = |r: f32| footage.guides[along.iter().position(|a| *a == r).expect("a place")].1[9].at / footage.footage.scale;
+    let at =
+        |r: f32| footage.guides[along.iter().position(|a| *a == r).expect("a place")].1[9].at / footage.footage.scale;
     assert!(at(60.0).distance(turned(60.0)) < 8.0 && at(60.0).distance(arm(9, 60.0)) > 12.0, "{}", at(60.0));
     let tracker = PointTracker { params };
     let earlier = EarlierPoints { motion: &before, marks: &points };
