@@ -11,6 +11,9 @@ const REACH: f32 = 0.15;
 /// How much longer or shorter a limb may become to reach a known place.
 const STRETCH: f32 = 1.5;
 
+/// A place that is farther along takes the limb's end with it.
+const NEAR_END: f32 = 0.8;
+
 /// A place of a limb that is known in a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::track) struct Pin {
@@ -36,18 +39,15 @@ impl Pin {
         MISSED * (miss / REACH).min(1.0)
     }
 
-    /// The pose bent so that it goes through and its ends stay.
+    /// The pose bent so that it goes through and its ends stay, but for an end that is near.
     pub(super) fn bent(&self, pose: &[Vec2]) -> Vec<Vec2> {
         let miss = self.at - self.of(pose);
         let last = (pose.len() - 1) as f32;
+        let beyond = if self.share > NEAR_END { f32::INFINITY } else { 1.0 - self.share };
         let moved = |(i, p): (usize, &Vec2)| {
             let along = i as f32 / last;
-            let weight = if along <= self.share {
-                along / self.share.max(0.05)
-            } else {
-                (1.0 - along) / (1.0 - self.share).max(0.05)
-            };
-            *p + weight.min(1.0) * miss
+            let past = (along - self.share).max(0.0) / beyond;
+            *p + (along / self.share.max(0.05)).min(1.0 - past) * miss
         };
         pose.iter().enumerate().map(moved).collect()
     }
