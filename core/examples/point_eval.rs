@@ -41,10 +41,6 @@ fn set(p: &mut PointParams, key: &str, v: f32) -> Result<(), AnyError> {
         *count = v as usize;
         return Ok(());
     }
-    if key == "pinned" {
-        p.pinned = v > 0.0;
-        return Ok(());
-    }
     if key == "working_side" {
         p.working_side = v as u32;
         return Ok(());

@@ -19,7 +19,6 @@ mod median;
 mod paper;
 mod params;
 mod patch;
-mod pins;
 mod pose_path;
 mod pose_search;
 mod solving_order;
@@ -46,7 +45,6 @@ use crate::motion::{Motion, Track, TrackFrame, TrackKind};
 use crate::rig::{Rig, Skeleton};
 use footage::Footage;
 use kept::Kept;
-pub(in crate::track) use pins::Pin;
 pub(in crate::track) use space_time::Trajectory;
 
 /// Tracks limbs between key frames.
@@ -74,14 +72,13 @@ impl LimbTracker {
         footage: &Footage,
         clip: &Clip,
         rig: &Rig,
-        pins: &[Pin],
         stage: Stage<'_>,
     ) -> Result<Vec<Trajectory>> {
         let info = clip.info();
         rig.validate(Some(((info.width, info.height), info.frames)))?;
         let spacing = self.params.spacing * LimbParams::scale(info.width as usize, info.height as usize);
         let skeleton = Skeleton::new(rig, spacing);
-        space_time::solve_in(footage, clip, rig, &skeleton, None, pins, &self.params.space_time, stage)
+        space_time::solve_in(footage, clip, rig, &skeleton, None, &self.params.space_time, stage)
     }
 
     fn follow(&self, clip: &Clip, rig: &Rig, earlier: Option<Earlier<'_>>, stage: Stage<'_>) -> Result<Motion> {

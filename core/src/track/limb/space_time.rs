@@ -20,7 +20,6 @@ use super::inertia::best_path;
 use super::kept::{Kept, KeptLimb};
 use super::limb_keys::LimbKeys;
 use super::params::{LimbParams, SpaceTimeParams};
-use super::pins::Pin;
 use super::pose_path::{Candidate, Chain, Group, costs_through};
 use super::pose_search;
 use super::solving_order::{groups, solving_order};
@@ -64,8 +63,6 @@ pub(super) struct Task<'a> {
     pub(super) carries: bool,
     /// What stands of an earlier run.
     pub(super) kept: KeptLimb,
-    /// Places of it that are known, from the end it hangs by.
-    pins: Vec<Pin>,
     /// Its length in every frame, as a multiple of what its keys say.
     stretch: Vec<f32>,
 }
@@ -77,11 +74,6 @@ impl Task<'_> {
             animal: &self.animal[frame],
             claimed: self.claims.map(|c| c.frame(frame)),
         }
-    }
-
-    /// The places that are known in a frame.
-    fn pins(&self, frame: usize) -> impl Iterator<Item = &Pin> {
-        self.pins.iter().filter(move |p| p.frame == frame)
     }
 
     pub(super) fn lengths(&self, frame: usize) -> Vec<f32> {
@@ -107,7 +99,7 @@ pub(super) fn solve(
         rig.keyframes.iter().filter(|k| !k.strokes.is_empty()).for_each(|k| looked_at.pictures[k.frame] = true);
     }
     let footage = Footage::read(clip, params.working_side, &looked_at, stage.part(0.0, 0.6))?;
-    solve_in(&footage, clip, rig, skeleton, kept, &[], &params.space_time, stage.part(0.6, 1.0))
+    solve_in(&footage, clip, rig, skeleton, kept, &params.space_time, stage.part(0.6, 1.0))
 }
 
 /// The same in `footage` of the clip that was read before.
@@ -117,7 +109,6 @@ pub(super) fn solve_in(
     rig: &Rig,
     skeleton: &Skeleton,
     kept: Option<&Kept>,
-    pins: &[Pin],
     params: &SpaceTimeParams,
     stage: Stage<'_>,
 ) -> Result<Vec<Trajectory>> {
@@ -183,15 +174,6 @@ pub(super) fn solve_in(
                 claims,
                 carries,
                 kept: kept.unwrap_or_default(),
-                pins: pins
-                    .iter()
-                    .filter(|p| p.limb == turn.limb)
-                    .map(|p| Pin {
-                        share: if turn.reversed { 1.0 - p.share } else { p.share },
-                        at: p.at * footage.scale,
-                        ..*p
-                    })
-                    .collect(),
                 stretch,
             });
         }
@@ -473,18 +455,7 @@ fn first_poses(task: &Task<'_>, f: usize, ahead: &Reached, behind: &Reached) -> 
             ));
         }
     }
-    pinned(task, f, &mut poses);
     poses
-}
-
-/// Adds what goes through the places that are known.
-fn pinned(task: &Task<'_>, f: usize, poses: &mut Vec<Vec<Vec2>>) {
-    let hung = task.roots.is_some();
-    let through = |pin: &Pin, poses: &[Vec<Vec2>]| -> Vec<Vec<Vec2>> {
-        poses.iter().flat_map(|p| [pin.through(p, hung), pin.bent(p)]).collect()
-    };
-    let through: Vec<Vec<Vec2>> = task.pins(f).flat_map(|pin| through(pin, poses)).collect();
-    poses.extend(through);
 }
 
 /// Poses worth trying around a path: its neighbours in time carried here, between them, `hints` from elsewhere, and a
@@ -508,7 +479,6 @@ fn near_poses(task: &Task<'_>, f: usize, path: &[Vec<Vec2>], hints: Vec<Vec<Vec2
     let view = task.view(f);
     let starts: Vec<Vec<Vec2>> = poses.iter().cloned().chain([path[f].clone()]).collect();
     poses.extend(starts.into_iter().map(|p| pose_search::settle(&task.strip, &view, f, &p, task.roots.is_none())));
-    pinned(task, f, &mut poses);
     poses
 }
 
@@ -516,8 +486,7 @@ fn judged(task: &Task<'_>, f: usize, pose: Vec<Vec2>) -> Candidate {
     if task.kept.surrounds(f) {
         return Candidate { pose, cost: 0.0, next: None, last: None };
     }
-    let missed: f32 = task.pins(f).map(|p| p.cost(&pose)).sum();
-    let cost = missed + task.strip.cost(&task.view(f), f, &pose);
+    let cost = task.strip.cost(&task.view(f), f, &pose);
     let moved = |to: usize| {
         let (flow, back) = task.footage.flows(f, to)?;
         let root = task.roots.as_ref().map(|r| r[to]);

@@ -4,7 +4,7 @@
 //! points that alone would be lost; it knows their places less exactly. So its places are candidates, and leaving them by
 //! far costs, by little next to nothing.
 //!
-//! All of it comes from the points' first keys, unless all are asked for. A correction bends its point's guide towards it, as far as the keys beside
+//! All of it comes from the points' first keys. A correction bends its point's guide towards it, as far as the keys beside
 //! it, and no other: on rendered animals the errors of two points of a limb have little to do with each other. Where a
 //! point's own way is smooth and the guide would tear it away dearly, the guide is left out. Known limits: only points first
 //! marked on the frame on which most are; fewer than three say nothing of each other.
@@ -18,7 +18,7 @@ use crate::error::Result;
 use crate::geometry::polyline;
 use crate::job::Stage;
 use crate::rig::{KeyFrame, Limb, Rig, Side, Stroke};
-use crate::track::limb::{LimbTracker, Pin};
+use crate::track::limb::LimbTracker;
 
 /// Fewer points have no guide.
 const FEWEST: usize = 3;
@@ -31,19 +31,17 @@ pub(super) struct Guide {
 }
 
 /// For every point of the frame on which most of `firsts` are, its guide in every frame. `ways` are what was found for each
-/// alone, `pins` other keys that the limbs are to go through.
+/// alone.
 pub(super) fn guides(
     footage: &Footage,
     firsts: &[Key],
     ways: &[Vec<Place>],
-    pins: &[Vec<Key>],
     stage: Stage<'_>,
 ) -> Result<Vec<(Key, Vec<Guide>)>> {
     let on = |frame: usize| firsts.iter().filter(|k| k.frame == frame).count();
     let Some(frame) = firsts.iter().map(|k| k.frame).max_by_key(|&f| (on(f), std::cmp::Reverse(f))) else {
         return Ok(Vec::new());
     };
-    let pins: Vec<&Vec<Key>> = firsts.iter().zip(pins).filter(|(k, _)| k.frame == frame).map(|(_, p)| p).collect();
     let (keys, ways): (Vec<Key>, Vec<Vec<Place>>) =
         firsts.iter().zip(ways).filter(|(k, _)| k.frame == frame).map(|(k, w)| (*k, w.clone())).unzip();
     if keys.len() < FEWEST {
@@ -77,17 +75,12 @@ pub(super) fn guides(
         limbs: (0..limbs.len()).map(limb).collect(),
         keyframes: vec![KeyFrame { frame, strokes, ..KeyFrame::default() }],
     };
-    let share = |b: &Branch, vertex: usize| polyline::length(&b.line[..=vertex]) / polyline::length(&b.line);
-    let on = limbs.iter().enumerate().flat_map(|(limb, b)| b.points.iter().map(move |&(i, v)| (limb, i, share(b, v))));
-    let pin = |(limb, i, share): (usize, usize, f32)| {
-        pins[i].iter().map(move |k| Pin { limb, frame: k.frame, share, at: k.at * scale })
-    };
-    let pins: Vec<Pin> = on.flat_map(pin).collect();
-    let tracks = LimbTracker::default().trajectories(&footage.limbs, &footage.small, &rig, &pins, stage)?;
+    let tracks = LimbTracker::default().trajectories(&footage.limbs, &footage.small, &rig, stage)?;
     let guide = |i: usize| {
         let on = |(l, b): (usize, &Branch)| Some((l, b.points.iter().find(|p| p.0 == i)?.1));
         let (limb, vertex) = limbs.iter().enumerate().find_map(on)?;
-        let share = share(&limbs[limb], vertex);
+        let line = &limbs[limb].line;
+        let share = polyline::length(&line[..=vertex]) / polyline::length(line);
         let poses = tracks[limb].poses.iter().zip(&tracks[limb].confidence);
         let places = poses.enumerate().map(|(f, (pose, confidence))| {
             // The key frame holds the stroke as it was drawn, whose vertices lie elsewhere; there the point is known.

@@ -6,8 +6,7 @@
 //!
 //! Each stretch between two keys of a point is solved by itself, from its keys and a guide: where all points together,
 //! tracked as limbs from their first keys, would have it (see `guide`). So a correction changes nothing beyond the keys
-//! beside it, but for points that look like the corrected one; another first key changes everything. With
-//! [`PointParams::pinned`] every key does.
+//! beside it, but for points that look like the corrected one; another first key changes everything.
 //!
 //! Known limits: limbs that swing fast behind others are lost until a correction; skipping is dear by default
 //! ([`PointParams::hide`]): lower it where things hide a lot.
@@ -110,9 +109,8 @@ pub struct PointFootage {
     alone: Vec<Alone>,
     solved: Vec<Solved>,
     look_alikes: LookAlikes,
-    /// The points' first keys, the others that the guides go through, and the guides that follow from them.
+    /// The points' first keys, and the guides that follow from them.
     firsts: Vec<Key>,
-    pins: Vec<Vec<Key>>,
     guides: Vec<(Key, Vec<Guide>)>,
 }
 
@@ -134,7 +132,6 @@ impl PointFootage {
             solved: Vec::new(),
             look_alikes: LookAlikes::default(),
             firsts: Vec::new(),
-            pins: Vec::new(),
             guides: Vec::new(),
         })
     }
@@ -150,15 +147,13 @@ impl PointFootage {
         (self.alone, self.solved, self.look_alikes) = (Vec::new(), Vec::new(), LookAlikes::default());
     }
 
-    /// Finds where all points together would have each, unless the keys that this hangs on are the same as before.
+    /// Finds where all points together would have each, unless their first keys are the same as before.
     fn guide(&mut self, marks: &PointMarks, stage: Stage<'_>) -> Result<()> {
         let firsts = first_keys(marks, self.footage.scale);
-        let pins =
-            if self.params.pinned { later_keys(marks, self.footage.scale) } else { vec![Vec::new(); firsts.len()] };
-        if (firsts == self.firsts && pins == self.pins) || self.params.guide <= 0.0 {
+        if firsts == self.firsts || self.params.guide <= 0.0 {
             return Ok(());
         }
-        (self.solved, self.look_alikes) = (Vec::new(), LookAlikes::default());
+        self.forget();
         (self.firsts, self.guides) = (Vec::new(), Vec::new());
         let frames = self.footage.frames();
         let all: Vec<Vec<Stretch>> = firsts.iter().map(|key| stretches(&[*key], frames)).collect();
@@ -173,8 +168,7 @@ impl PointFootage {
                 way
             })
             .collect();
-        self.guides = guides(&self.footage, &firsts, &ways, &pins, stage.part(0.3, 1.0))?;
-        self.pins = pins;
+        self.guides = guides(&self.footage, &firsts, &ways, stage.part(0.3, 1.0))?;
         self.firsts = firsts;
         Ok(())
     }
@@ -268,9 +262,7 @@ impl PointFootage {
         let same = earlier.motion.size == self.size && earlier.motion.frames == frames;
         let same = same && earlier.marks.validate(Some((self.size, frames))).is_ok();
         let firsts = |marks: &PointMarks| first_keys(marks, self.footage.scale);
-        let pins = |marks: &PointMarks| later_keys(marks, self.footage.scale);
-        let pinned = || !self.params.pinned || pins(earlier.marks) == pins(marks);
-        let same = same && (self.params.guide <= 0.0 || (firsts(earlier.marks) == firsts(marks) && pinned()));
+        let same = same && (self.params.guide <= 0.0 || firsts(earlier.marks) == firsts(marks));
         let track = |name: &str| earlier.motion.track(name).filter(|t| same && t.frames.len() == frames);
         let sorted = |point: &PointMark| sorted_keys(point, self.footage.scale);
         let unedited = |point: &PointMark| {
@@ -314,12 +306,6 @@ fn sorted_keys(point: &PointMark, scale: f32) -> Vec<Key> {
 fn first_keys(marks: &PointMarks, scale: f32) -> Vec<Key> {
     let keys = marks.points.iter().filter_map(|p| p.keys.first());
     keys.map(|k| Key { frame: k.frame, at: k.at * scale }).collect()
-}
-
-/// The other keys of each point that has any.
-fn later_keys(marks: &PointMarks, scale: f32) -> Vec<Vec<Key>> {
-    let keyed = marks.points.iter().filter(|p| !p.keys.is_empty());
-    keyed.map(|p| p.keys[1..].iter().map(|k| Key { frame: k.frame, at: k.at * scale }).collect()).collect()
 }
 
 /// The stretches between a point's keys, which rise.

@@ -50,9 +50,6 @@ pub struct PointParams {
     pub shared: f32,
     /// Weight of leaving where all points, tracked together as limbs, would have it; 0 tracks each alone, in less time.
     pub guide: f32,
-    /// Whether the limbs go through all keys, not only through the first of each point: then one correction puts right
-    /// whole limbs for many frames, changes other points as well, and takes as long as following all limbs does.
-    pub pinned: bool,
     /// Distance from there that counts half.
     pub guide_reach: f32,
     /// A guide errs where following it costs so much more, all frames together, than a smooth way without it.
@@ -91,7 +88,6 @@ impl Default for PointParams {
             together: 5.0,
             shared: 0.5,
             guide: 2.0,
-            pinned: false,
             guide_reach: 35.0,
             dear: 8.0,
             smooth: 0.15,
