@@ -12,23 +12,26 @@ const STEPS: usize = 4096;
 pub(super) fn planes(image: &RgbImage) -> [Grid<f32>; 3] {
     let (width, height) = (image.width() as usize, image.height() as usize);
     let linear: [f32; 256] = std::array::from_fn(|v| to_linear(v as f32 / 255.0));
-    let curve: Vec<f32> = (0..=STEPS + 1).map(|i| lightness_curve(i as f32 / STEPS as f32)).collect();
+    // Values and what they rise by to the next.
+    let value = |i: usize| lightness_curve(i as f32 / STEPS as f32);
+    let curve: Vec<[f32; 2]> = (0..=STEPS).map(|i| [value(i), value(i + 1) - value(i)]).collect();
     let curved = |t: f32| {
         let place = t.clamp(0.0, 1.0) * STEPS as f32;
         let index = place as usize;
-        curve[index] + (curve[index + 1] - curve[index]) * (place - index as f32)
+        let [value, rise] = curve[index];
+        value + rise * (place - index as f32)
     };
-    let count = width * height;
-    let mut out: [Vec<f32>; 3] = std::array::from_fn(|_| Vec::with_capacity(count));
-    for pixel in image.as_raw().chunks_exact(3) {
-        let [r, g, b] = [pixel[0], pixel[1], pixel[2]].map(|v| linear[usize::from(v)]);
+    let mut out: [Vec<f32>; 3] = std::array::from_fn(|_| vec![0.0; width * height]);
+    let [l, a, b] = &mut out;
+    for (((pixel, l), a), b) in image.as_raw().chunks_exact(3).zip(l).zip(a).zip(b) {
+        let [red, green, blue] = [pixel[0], pixel[1], pixel[2]].map(|v| linear[usize::from(v)]);
         // The matrix of the standard, each row divided by the white's X, Y, Z.
-        let x = curved(0.433_953 * r + 0.376_219 * g + 0.189_828 * b);
-        let y = curved(0.212_673 * r + 0.715_152 * g + 0.072_175 * b);
-        let z = curved(0.017_758 * r + 0.109_477 * g + 0.872_765 * b);
-        out[0].push(1.16 * y - 0.16);
-        out[1].push(5.0 * (x - y));
-        out[2].push(2.0 * (y - z));
+        let x = curved(0.433_953 * red + 0.376_219 * green + 0.189_828 * blue);
+        let y = curved(0.212_673 * red + 0.715_152 * green + 0.072_175 * blue);
+        let z = curved(0.017_758 * red + 0.109_477 * green + 0.872_765 * blue);
+        *l = 1.16 * y - 0.16;
+        *a = 5.0 * (x - y);
+        *b = 2.0 * (y - z);
     }
     out.map(|values| Grid::from_vec(width, height, values))
 }

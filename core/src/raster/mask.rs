@@ -1,5 +1,7 @@
 //! A binary image, one bit a pixel: a thousand masks of a full-HD clip fit in 260 MB.
 
+use std::ops::Range;
+
 use image::GrayImage;
 
 /// Pixels that are in or out. Rows are padded to whole words.
@@ -77,6 +79,19 @@ impl Mask {
         if inside { *word |= bit } else { *word &= !bit }
     }
 
+    /// Puts the pixels of `columns`, which lie within the width, in row `y` in.
+    #[inline]
+    pub(crate) fn fill(&mut self, y: usize, columns: Range<usize>) {
+        debug_assert!(y < self.height && columns.end <= self.width);
+        let row = &mut self.words[y * self.stride..(y + 1) * self.stride];
+        let mut x = columns.start;
+        while x < columns.end {
+            let end = columns.end.min((x / 64 + 1) * 64);
+            row[x / 64] |= (u64::MAX >> (64 - (end - x))) << (x % 64);
+            x = end;
+        }
+    }
+
     /// How many pixels are in.
     pub fn count(&self) -> usize {
         self.words.iter().map(|w| w.count_ones() as usize).sum()
@@ -101,6 +116,15 @@ impl Mask {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_filled_run_is_what_setting_each_pixel_makes() {
+        for (from, to) in [(0, 0), (0, 1), (3, 60), (0, 64), (63, 65), (60, 200), (64, 128), (199, 200)] {
+            let mut filled = Mask::new(200, 3);
+            filled.fill(1, from..to);
+            assert_eq!(filled, Mask::from_fn(200, 3, |x, y| y == 1 && (from..to).contains(&x)), "{from}..{to}");
+        }
+    }
 
     #[test]
     fn image_round_trip_keeps_every_pixel() {

@@ -41,6 +41,11 @@ impl Planes {
         &self.channels[c]
     }
 
+    /// The three channels.
+    pub(crate) fn into_channels(self) -> [Grid<f32>; 3] {
+        self.channels
+    }
+
     /// Half the size: a place `p` of this image lies at `p / 2`.
     pub fn halved(&self) -> Self {
         Self { channels: std::array::from_fn(|c| pyramid::halved(&self.channels[c])) }

@@ -12,17 +12,18 @@ pub fn halved(grid: &Grid<f32>) -> Grid<f32> {
     let (width, height) = (grid.width(), grid.height());
     let (half_width, half_height) = (width.div_ceil(2), height.div_ceil(2));
     let mut out = Vec::with_capacity(half_width * half_height);
-    let mut column = vec![0.0f32; width];
+    // Between a repeated first pixel and two repeated last ones.
+    let mut columns = vec![0.0f32; width + 3];
     for y in 0..half_height {
         let row = |offset: isize| grid.row((2 * y as isize + offset).clamp(0, height as isize - 1) as usize);
         let (a, b, c, d) = (row(-1), row(0), row(1), row(2));
-        for x in 0..width {
-            column[x] = (a[x] + d[x] + 3.0 * (b[x] + c[x])) * 0.125;
+        for ((((column, a), b), c), d) in columns[1..=width].iter_mut().zip(a).zip(b).zip(c).zip(d) {
+            *column = (a + d + 3.0 * (b + c)) * 0.125;
         }
-        for x in 0..half_width {
-            let at = |offset: isize| column[(2 * x as isize + offset).clamp(0, width as isize - 1) as usize];
-            out.push((at(-1) + at(2) + 3.0 * (at(0) + at(1))) * 0.125);
-        }
+        columns[0] = columns[1];
+        let last = columns[width];
+        columns[width + 1..].fill(last);
+        out.extend(columns.windows(4).step_by(2).map(|c| (c[0] + c[3] + 3.0 * (c[1] + c[2])) * 0.125));
     }
     Grid::from_vec(half_width, half_height, out)
 }

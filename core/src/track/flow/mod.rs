@@ -47,7 +47,8 @@ impl FlowField {
 
     /// From motions in cells, one a cell.
     fn packed(flow: &Grid<Vec2>) -> Self {
-        let fixed = |v: f32| (v * CELL * STEPS).round().clamp(f32::from(i16::MIN), f32::from(i16::MAX)) as i16;
+        // Rounded; the cast keeps within the range.
+        let fixed = |v: f32| (v * (CELL * STEPS) + 0.5f32.copysign(v)) as i16;
         let cells = flow.data().iter().map(|v| [fixed(v.x), fixed(v.y)]).collect();
         Self { cells: Grid::from_vec(flow.width(), flow.height(), cells) }
     }

@@ -133,11 +133,19 @@ fn normal_equation(terms: &[Term; 3], d: Vec2) -> [f32; 5] {
     out
 }
 
+/// Rows that are swept at once, each a pixel behind the one above: every pixel then meets what it would row by row, and
+/// waits only for the pixel before it, while the other rows go on.
+const ROWS: usize = 4;
+
 /// One sweep over all pixels, each solved with its neighbours fixed.
 fn relax(flow: &Grid<Vec2>, step: &mut Grid<Vec2>, right: &Grid<f32>, down: &Grid<f32>, system: &[[f32; 5]]) {
     let (w, h) = (flow.width(), flow.height());
-    for y in 0..h {
-        for x in 0..w {
+    for first in (0..h).step_by(ROWS) {
+        let rows = ROWS.min(h - first);
+        for (x, y) in (0..w + rows - 1).flat_map(|t| (0..rows).map(move |row| (t.wrapping_sub(row), first + row))) {
+            if x >= w {
+                continue;
+            }
             let here = flow.get(x, y);
             let (mut weight, mut pull) = (0.0, Vec2::ZERO);
             let mut link = |strength: f32, nx: usize, ny: usize| {

@@ -92,9 +92,12 @@ fn motion_around(
     let mut mean = Vec2::ZERO;
     for round in 0..6 {
         let (mut sum, mut weight) = (Vec2::ZERO, 1e-6);
-        for (v, w) in samples {
-            let w = if round == 0 { w } else { w / (v.distance(mean) + 0.3) };
-            sum += v * w;
+        let mut weights = [0.0; 15];
+        for (weight, (v, w)) in weights.iter_mut().zip(samples) {
+            *weight = if round == 0 { w } else { w / (v.distance(mean) + 0.3) };
+        }
+        for ((v, _), w) in samples.iter().zip(weights) {
+            sum += *v * w;
             weight += w;
         }
         mean = sum / weight;

@@ -59,8 +59,6 @@ fn disc(mask: &mut Mask, centre: Vec2, radius: f32) {
         let dy = y as f32 + 0.5 - centre.y;
         let half = (radius * radius - dy * dy).max(0.0).sqrt();
         let columns = (centre.x - half).clamp(0.0, w) as usize..(centre.x + half).ceil().clamp(0.0, w) as usize;
-        for x in columns {
-            mask.set(x, y, true);
-        }
+        mask.fill(y, columns);
     }
 }

@@ -25,7 +25,8 @@ pub(in crate::track) struct LabImage {
 
 impl LabImage {
     pub(in crate::track) fn new(planes: &Planes) -> Self {
-        let byte = |v: f32| v.round().clamp(0.0, 255.0) as u8;
+        // Rounded; the cast keeps within the range.
+        let byte = |v: f32| (v + 0.5) as u8;
         let [l, a, b] = [0, 1, 2].map(|c| planes.channel(c).data());
         let pixels = l
             .iter()
@@ -45,6 +46,11 @@ impl LabImage {
         } else {
             None
         }
+    }
+
+    /// All of them.
+    pub(super) fn pixels(&self) -> &Grid<[u8; 3]> {
+        &self.pixels
     }
 
     /// Columns.

@@ -3,6 +3,7 @@
 use glam::Vec2;
 
 use super::footage::LabImage;
+use crate::raster::Grid;
 
 /// Histogram cells along each channel.
 const CELLS: usize = 32;
@@ -51,10 +52,16 @@ impl Foreground {
         Self { table: table.collect() }
     }
 
-    /// The probability that a pixel of this colour is the animal's, over 0..=1.
+    /// How likely every pixel of a picture is the animal's, in bytes.
+    pub(super) fn seen(&self, image: &LabImage) -> Grid<u8> {
+        let likely = image.pixels().data().iter().map(|colour| self.table[cell(*colour)]);
+        Grid::from_vec(image.width(), image.height(), likely.collect())
+    }
+
+    /// The probability, over 0..=1, that such a byte says.
     #[inline]
-    pub(super) fn probability(&self, colour: [u8; 3]) -> f32 {
-        f32::from(self.table[cell(colour)]) * (1.0 / 255.0)
+    pub(super) fn probability_of(likely: u8) -> f32 {
+        f32::from(likely) * (1.0 / 255.0)
     }
 }
 

@@ -51,25 +51,35 @@ pub(super) fn best_path(group: &Group<'_>, params: &SpaceTimeParams, stage: Stag
             .into_par_iter()
             .map(|a| {
                 let (mut best, mut link) = (vec![f32::INFINITY; m], vec![0u16; m]);
-                for p in 0..states[f - 2].len() {
-                    let reached = value[p * n + a];
-                    let mut improve = |b: usize, cost: f32| {
-                        if cost < best[b] {
-                            (best[b], link[b]) = (cost, p as u16);
-                        }
-                    };
+                let mut cost = vec![0.0f32; m];
+                let mut before: Vec<(f32, u16)> =
+                    (0..states[f - 2].len()).map(|p| (value[p * n + a], p as u16)).collect();
+                before.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+                let mut worst = f32::INFINITY;
+                for (reached, p) in before {
+                    // Bends cost nothing at best, so the rest is no cheaper.
+                    if reached >= worst {
+                        break;
+                    }
                     match bends.as_slice() {
                         [first, second] => {
-                            let ((u, places), (v, others)) = (first.from(p, a), second.from(p, a));
-                            for (b, (&i, &j)) in places.iter().zip(others).enumerate() {
-                                improve(b, reached + u[i] + v[j]);
+                            let ((u, places), (v, others)) = (first.from(p.into(), a), second.from(p.into(), a));
+                            for (cost, (&i, &j)) in cost.iter_mut().zip(places.iter().zip(others)) {
+                                *cost = reached + u[i] + v[j];
                             }
                         }
                         alone => {
-                            for (u, places) in alone.iter().map(|bend| bend.from(p, a)) {
-                                places.iter().enumerate().for_each(|(b, &i)| improve(b, reached + u[i]));
+                            for (u, places) in alone.iter().map(|bend| bend.from(p.into(), a)) {
+                                cost.iter_mut().zip(places).for_each(|(cost, &i)| *cost = reached + u[i]);
                             }
                         }
+                    }
+                    worst = 0.0;
+                    for ((best, link), cost) in best.iter_mut().zip(&mut link).zip(&cost) {
+                        let better = cost < best;
+                        *best = if better { *cost } else { *best };
+                        *link = if better { p } else { *link };
+                        worst = if *best > worst { *best } else { worst };
                     }
                 }
                 best.iter_mut().zip(&steps[a * m..]).for_each(|(b, step)| *b += step);
@@ -97,22 +107,39 @@ pub(super) fn best_path(group: &Group<'_>, params: &SpaceTimeParams, stage: Stag
 fn kept_states(group: &Group<'_>, f: usize, through: &[f32], params: &SpaceTimeParams) -> Vec<State> {
     let columns = group.counts(f)[1];
     let mut order: Vec<usize> = (0..through.len()).collect();
-    order.sort_by(|&a, &b| through[a].total_cmp(&through[b]));
+    let cheaper = |a: &usize, b: &usize| through[*a].total_cmp(&through[*b]).then(a.cmp(b));
+    let reach = |pose: &Vec<Vec2>| params.same * polyline::length(pose) * pose.len() as f32;
+    let reaches: Vec<Vec<f32>> =
+        group.chains().map(|chain| chain.lists[f].iter().map(|c| reach(&c.pose)).collect()).collect();
     let alike = |a: &State, b: &State| {
         group.chains().enumerate().all(|(limb, chain)| {
-            let [p, q] = [a[limb], b[limb]].map(|c| &chain.lists[f][c].pose);
-            let apart: f32 = p.iter().zip(q).map(|(p, q)| p.distance(*q)).sum();
-            a[limb] == b[limb] || apart < params.same * polyline::length(p) * p.len() as f32
+            let ([p, q], most) = ([a[limb], b[limb]].map(|c| &chain.lists[f][c].pose), reaches[limb][a[limb]]);
+            let mut apart = 0.0;
+            let mut near = |(p, q): (&Vec2, &Vec2)| {
+                apart += p.distance(*q);
+                apart < most
+            };
+            // From the free end, where poses differ most.
+            a[limb] == b[limb] || p.iter().zip(q).rev().all(&mut near)
         })
     };
+    let most = params.states.clamp(1, usize::from(u16::MAX));
     let mut kept: Vec<State> = Vec::new();
-    for state in order.into_iter().map(|s| [s / columns, s % columns]) {
-        if kept.len() == params.states.clamp(1, usize::from(u16::MAX)) {
-            break;
+    // Put in order only as far as it is gone through.
+    let mut rest = order.as_mut_slice();
+    while !rest.is_empty() && kept.len() < most {
+        let next = (2 * most).min(rest.len());
+        if next < rest.len() {
+            rest.select_nth_unstable_by(next, cheaper);
         }
-        if !kept.iter().any(|k| alike(k, &state)) {
-            kept.push(state);
+        let (cheapest, dearer) = rest.split_at_mut(next);
+        cheapest.sort_unstable_by(cheaper);
+        for state in cheapest.iter().map(|s| [s / columns, s % columns]) {
+            if kept.len() < most && !kept.iter().any(|k| alike(k, &state)) {
+                kept.push(state);
+            }
         }
+        rest = dearer;
     }
     kept
 }

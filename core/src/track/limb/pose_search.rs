@@ -101,39 +101,45 @@ fn distinct(mut all: Vec<Partial>, keep: usize, from: usize, least: f32) -> Vec<
 /// Rounds of [`settle`], each with smaller tries.
 const SETTLING: [f32; 3] = [0.10, 0.05, 0.025];
 
-/// A small change of a pose.
-type Try = Box<dyn Fn(&[Vec2]) -> Vec<Vec2>>;
-
 /// The best fit near `pose`: turns at places along the limb and, tried in turn with them, shifts where it is `free`;
 /// where it is not, lengths, which change as a limb folds or leaves the image plane.
 pub(super) fn settle(strip: &Strip, view: &View<'_>, frame: usize, pose: &[Vec2], free: bool) -> Vec<Vec2> {
     let n = pose.len();
     let length: f32 = pose.windows(2).map(|p| p[0].distance(p[1])).sum();
-    let (mut best, mut best_cost) = (pose.to_vec(), strip.cost(view, frame, pose));
+    let keys = strip.keys_around(frame);
+    let (mut best, mut sums) = (pose.to_vec(), vec![0.0; n]);
+    let mut best_cost = strip.cost_from(view, keys, pose, &mut sums, 0, f32::INFINITY);
+    let mut tried = sums.clone();
+    // Of a pose that differs from the best from vertex `from` on.
+    let mut attempt = |best: &mut Vec<Vec2>, from: usize, change: &dyn Fn(&[Vec2]) -> Vec<Vec2>| {
+        let moved = change(best);
+        let departure = DEPARTURE * apart(&moved, pose) / length;
+        tried[..=from].copy_from_slice(&sums[..=from]);
+        let cost = strip.cost_from(view, keys, &moved, &mut tried, from, best_cost - departure + SLACK) + departure;
+        if cost < best_cost {
+            (*best, best_cost) = (moved, cost);
+            std::mem::swap(&mut sums, &mut tried);
+        }
+    };
     for step in SETTLING {
-        let mut tries: Vec<Try> = Vec::new();
-        for sign in [-1.0, 1.0] {
+        for step in [-step, step] {
             for joint in [0, n / 4, n / 2, 3 * n / 4] {
-                tries.push(Box::new(move |p| bent(p, joint, sign * step)));
+                attempt(&mut best, joint, &|p| bent(p, joint, step));
             }
             if free {
-                tries.push(Box::new(move |p| p.iter().map(|q| *q + Vec2::X * (sign * step * 0.3 * length)).collect()));
-                tries.push(Box::new(move |p| p.iter().map(|q| *q + Vec2::Y * (sign * step * 0.3 * length)).collect()));
+                for axis in [Vec2::X, Vec2::Y] {
+                    attempt(&mut best, 0, &|p| p.iter().map(|q| *q + axis * (step * 0.3 * length)).collect());
+                }
             } else {
-                tries.push(Box::new(move |p| p.iter().map(|q| p[0] + (*q - p[0]) * (1.0 + sign * step)).collect()));
-            }
-        }
-        for attempt in &tries {
-            let moved = attempt(&best);
-            let cost = strip.cost(view, frame, &moved) + DEPARTURE * apart(&moved, pose) / length;
-            if cost < best_cost {
-                (best, best_cost) = (moved, cost);
+                attempt(&mut best, 0, &|p| p.iter().map(|q| p[0] + (*q - p[0]) * (1.0 + step)).collect());
             }
         }
     }
     best
 }
 
+/// What rounding may add to a sum of costs.
+const SLACK: f32 = 1e-4;
 /// Cost of a mean departure by the limb's length.
 const DEPARTURE: f32 = 0.3;
 

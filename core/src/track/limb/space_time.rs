@@ -15,7 +15,6 @@ use super::confidence::{Evidence, spread};
 use super::crossings;
 use super::drawn::{key_planes, learn_foreground, radii, roots};
 use super::footage::{Footage, LookedAt};
-use super::foreground::Foreground;
 use super::gait::Gait;
 use super::inertia::best_path;
 use super::kept::{Kept, KeptLimb};
@@ -29,7 +28,7 @@ use super::unexplained::Unexplained;
 use crate::clip::Clip;
 use crate::error::Result;
 use crate::job::Stage;
-use crate::raster::Mask;
+use crate::raster::{Grid, Mask};
 use crate::rig::{Rig, Side, Skeleton};
 
 /// One limb in all frames, in clip pixels, from the stroke's start to its end.
@@ -52,7 +51,8 @@ pub(super) struct Solved {
 pub(super) struct Task<'a> {
     pub(super) params: &'a SpaceTimeParams,
     pub(super) footage: &'a Footage,
-    pub(super) foreground: &'a Foreground,
+    /// For every frame, how likely its pixels are the animal's.
+    animal: &'a [Grid<u8>],
     pub(super) keys: LimbKeys,
     pub(super) strip: Strip,
     pub(super) roots: Option<Vec<Vec2>>,
@@ -68,10 +68,10 @@ pub(super) struct Task<'a> {
 }
 
 impl Task<'_> {
-    fn view(&self, frame: usize) -> View<'_> {
+    pub(super) fn view(&self, frame: usize) -> View<'_> {
         View {
             image: &self.footage.lab[frame],
-            foreground: self.foreground,
+            animal: &self.animal[frame],
             claimed: self.claims.map(|c| c.frame(frame)),
         }
     }
@@ -114,6 +114,7 @@ pub(super) fn solve_in(
 ) -> Result<Vec<Trajectory>> {
     let turns = solving_order(rig, skeleton);
     let foreground = learn_foreground(rig, footage);
+    let animal: Vec<Grid<u8>> = footage.lab.par_iter().map(|image| foreground.seen(image)).collect();
     let key_planes = key_planes(clip, rig, footage)?;
     let mut claims = Claims::new(footage);
     let mut solved: Vec<Option<Solved>> = vec![None; rig.limbs.len()];
@@ -151,7 +152,7 @@ pub(super) fn solve_in(
                 .zip(&keys.poses)
                 .zip(&in_front)
                 .map(|((&f, pose), mask)| {
-                    let view = View { image: &footage.lab[f], foreground: &foreground, claimed: mask.as_ref() };
+                    let view = View { image: &footage.lab[f], animal: &animal[f], claimed: mask.as_ref() };
                     (f, view, pose.as_slice())
                 })
                 .collect();
@@ -165,7 +166,7 @@ pub(super) fn solve_in(
             tasks.push(Task {
                 params,
                 footage,
-                foreground: &foreground,
+                animal: &animal,
                 keys,
                 strip,
                 roots,

@@ -8,7 +8,7 @@ use glam::Vec2;
 
 use super::footage::LabImage;
 use super::foreground::Foreground;
-use crate::raster::Mask;
+use crate::raster::{Grid, Mask};
 
 /// Places across the limb, in half widths: inside, and outside either border.
 const ACROSS: [f32; 7] = [-1.5, -0.75, -0.375, 0.0, 0.375, 0.75, 1.5];
@@ -29,23 +29,29 @@ const TURNED: f32 = 0.15;
 /// The claims of nearer limbs are kept at one bit for so many working pixels.
 pub(super) const CLAIM_CELL: f32 = 2.0;
 
+/// Samples that are judged at once, those of an edge and some that count nothing.
+const WIDE: usize = SAMPLES.next_multiple_of(8);
+
+type Wide = [f32; WIDE];
+
+/// What the key frame showed on an edge.
 #[derive(Clone, Copy, Debug, Default)]
-struct Sample {
-    colour: [u8; 3],
+struct Samples {
+    colours: [Wide; 3],
     /// How much the colour counts; zero where the key frame showed something else.
-    inside: f32,
+    inside: Wide,
     /// How much it counts that nothing of the animal is there.
-    outside: f32,
+    outside: Wide,
 }
 
 /// The strip on one key frame.
 #[derive(Clone, Debug)]
 struct KeyStrip {
     frame: usize,
-    edges: Vec<[Sample; SAMPLES]>,
+    edges: Vec<Samples>,
     directions: Vec<Vec2>,
     /// Beyond the free end.
-    tip: [Sample; SAMPLES],
+    tip: Samples,
 }
 
 /// A limb's looks on all its key frames.
@@ -60,12 +66,20 @@ pub(super) struct Strip {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct View<'a> {
     pub(super) image: &'a LabImage,
-    pub(super) foreground: &'a Foreground,
+    /// How likely each of its pixels is the animal's, see [`Foreground::seen`].
+    pub(super) animal: &'a Grid<u8>,
     /// What nearer limbs cover, at [`CLAIM_CELL`].
     pub(super) claimed: Option<&'a Mask>,
 }
 
 impl View<'_> {
+    /// The colour at `p` and the probability that it is the animal's, or nothing outside the picture.
+    #[inline]
+    pub(super) fn at(&self, p: Vec2) -> Option<([u8; 3], f32)> {
+        let colour = self.image.at(p)?;
+        Some((colour, Foreground::probability_of(self.animal.get(p.x as usize, p.y as usize))))
+    }
+
     #[inline]
     pub(super) fn is_claimed(&self, p: Vec2) -> bool {
         self.claimed.is_some_and(|m| m.at((p.x / CLAIM_CELL) as isize, (p.y / CLAIM_CELL) as isize))
@@ -124,9 +138,28 @@ impl Strip {
 
     /// Mean cost of a whole pose on the frame of `view`.
     pub(super) fn cost(&self, view: &View<'_>, frame: usize, pose: &[Vec2]) -> f32 {
-        let keys = self.keys_around(frame);
-        let edges: f32 = (0..pose.len() - 1).map(|e| self.edge_cost(view, keys, e, pose[e], pose[e + 1])).sum();
-        (edges + self.tip_cost(view, keys, pose)) / pose.len() as f32
+        self.cost_from(view, self.keys_around(frame), pose, &mut vec![0.0; pose.len()], 0, f32::INFINITY)
+    }
+
+    /// The same where `sums[e]` is known to be the cost of all edges before `e`, up to edge `from`; fills in the others.
+    /// Infinite, and the sums unfinished, as soon as it is more than `most`.
+    pub(super) fn cost_from(
+        &self,
+        view: &View<'_>,
+        keys: [usize; 2],
+        pose: &[Vec2],
+        sums: &mut [f32],
+        from: usize,
+        most: f32,
+    ) -> f32 {
+        let n = pose.len() as f32;
+        for e in from..pose.len() - 1 {
+            sums[e + 1] = sums[e] + self.edge_cost(view, keys, e, pose[e], pose[e + 1]);
+            if sums[e + 1] > most * n {
+                return f32::INFINITY;
+            }
+        }
+        (sums[pose.len() - 1] + self.tip_cost(view, keys, pose)) / n
     }
 }
 
@@ -137,14 +170,18 @@ impl Strip {
         let mut samples = Vec::with_capacity((pose.len() - 1) * SAMPLES);
         for e in 0..pose.len() - 1 {
             let at = places(pose[e], pose[e + 1], self.radii[e], self.radii[e + 1]);
-            let first = judge(view, &self.keys[before].edges[e], &at);
-            let second = judge(view, &self.keys[after].edges[e], &at);
-            let key = &self.keys[if first <= second { before } else { after }].edges[e];
-            for (sample, &p) in key.iter().zip(&at) {
-                if sample.inside + sample.outside > 0.0 && !view.is_claimed(p) {
-                    let cost = judge_one(view, sample, p);
-                    let hidden = if sample.inside > 0.0 { HIDDEN * sample.inside } else { 0.0 };
-                    samples.push((p / CLAIM_CELL, (hidden - cost) * (NORM / pose.len() as f32)));
+            let cost = |key: usize| judge(view, &self.keys[key].edges[e], &at);
+            let key = if before == after || cost(before) <= cost(after) { before } else { after };
+            let key = &self.keys[key].edges[e];
+            let costs = key.costs(view, &at);
+            for (i, &p) in at.iter().enumerate() {
+                if key.counts(i) && !view.is_claimed(p) {
+                    let change = HIDDEN * key.inside[i] - costs[i];
+                    // What is off the picture is never hidden.
+                    if p.min_element() >= 0.0 {
+                        let cell = p / CLAIM_CELL;
+                        samples.push((cell.x as usize, cell.y as usize, change * (NORM / pose.len() as f32)));
+                    }
                 }
             }
         }
@@ -155,14 +192,15 @@ impl Strip {
 /// What hiding parts of a pose changes.
 #[derive(Clone, Debug)]
 pub(super) struct Hideable {
-    /// Places in claim cells, and what being hidden there adds to the pose's cost.
-    samples: Vec<(Vec2, f32)>,
+    /// Columns and rows in claim cells, and what being hidden there adds to the pose's cost.
+    samples: Vec<(usize, usize, f32)>,
 }
 
 impl Hideable {
     /// What the pose's cost changes by when `front` is in front of it.
     pub(super) fn change(&self, front: &Mask) -> f32 {
-        self.samples.iter().filter(|s| front.at(s.0.x as isize, s.0.y as isize)).map(|s| s.1).sum()
+        let inside = |x: usize, y: usize| x < front.width() && y < front.height() && front.get(x, y);
+        self.samples.iter().filter(|s| inside(s.0, s.1)).map(|s| s.2).sum()
     }
 }
 
@@ -179,28 +217,68 @@ impl KeyStrip {
         let edges = (0..pose.len() - 1)
             .map(|e| {
                 let at = places(pose[e], pose[e + 1], radii[e], radii[e + 1]);
-                std::array::from_fn(|i| learn(view, at[i], is_outside(i)))
+                Samples::learn(view, &at, is_outside)
             })
             .collect();
         let directions = pose.windows(2).map(|p| (p[1] - p[0]).try_normalize().unwrap_or(Vec2::X)).collect();
         let (a, b, r) = beyond(pose, radii);
         let at = places(a, b, r, r);
-        let tip = std::array::from_fn(|i| if closed { learn(view, at[i], true) } else { Sample::default() });
+        let tip = if closed { Samples::learn(view, &at, |_| true) } else { Samples::default() };
         Self { frame, edges, directions, tip }
     }
 }
 
-fn learn(view: &View<'_>, p: Vec2, outside: bool) -> Sample {
-    let Some(colour) = view.image.at(p) else { return Sample::default() };
-    if view.is_claimed(p) {
-        return Sample::default();
+impl Samples {
+    /// What is seen at places of a key frame, of which some are `outside` of the limb.
+    fn learn(view: &View<'_>, at: &[Vec2; SAMPLES], outside: impl Fn(usize) -> bool) -> Self {
+        let mut out = Self::default();
+        for (i, p) in at.iter().enumerate() {
+            let Some((colour, animal)) = view.at(*p) else { continue };
+            if view.is_claimed(*p) {
+                continue;
+            }
+            (0..3).for_each(|c| out.colours[c][i] = f32::from(colour[c]));
+            if outside(i) {
+                out.outside[i] = if animal < 0.5 { 1.0 - animal } else { 0.0 };
+            } else {
+                // A stroke drawn past the limb's border is no reason to look for background.
+                out.inside[i] = if animal > 0.35 { 1.0 } else { 0.15 };
+            }
+        }
+        out
     }
-    let animal = view.foreground.probability(colour);
-    if outside {
-        Sample { colour, inside: 0.0, outside: if animal < 0.5 { 1.0 - animal } else { 0.0 } }
-    } else {
-        // A stroke drawn past the limb's border is no reason to look for background.
-        Sample { colour, inside: if animal > 0.35 { 1.0 } else { 0.15 }, outside: 0.0 }
+
+    /// Whether a sample counts at all.
+    #[inline]
+    fn counts(&self, i: usize) -> bool {
+        self.inside[i] + self.outside[i] > 0.0
+    }
+
+    /// What each sample costs at its place.
+    #[inline]
+    fn costs(&self, view: &View<'_>, at: &[Vec2; SAMPLES]) -> Wide {
+        let (mut colours, mut animal, mut hidden) = ([[0.0; WIDE]; 3], [0.0; WIDE], [1.0; WIDE]);
+        for (i, &p) in at.iter().enumerate() {
+            if self.counts(i)
+                && let Some((colour, likely)) = view.at(p)
+                && !(self.inside[i] > 0.0 && view.is_claimed(p))
+            {
+                (0..3).for_each(|c| colours[c][i] = f32::from(colour[c]));
+                animal[i] = likely;
+                hidden[i] = 0.0;
+            }
+        }
+        let mut costs = [0.0; WIDE];
+        for i in 0..WIDE {
+            let dl = colours[0][i] - self.colours[0][i];
+            let da = colours[1][i] - self.colours[1][i];
+            let db = colours[2][i] - self.colours[2][i];
+            let d = 0.5 * dl * dl + da * da + db * db;
+            let inside = TEXTURE * d / (d + COLOUR) + (1.0 - TEXTURE) * (1.0 - animal[i]);
+            let inside = if hidden[i] > 0.0 { HIDDEN } else { inside };
+            costs[i] = self.inside[i] * inside + self.outside[i] * OUTSIDE * animal[i];
+        }
+        costs
     }
 }
 
@@ -208,30 +286,6 @@ fn learn(view: &View<'_>, p: Vec2, outside: bool) -> Sample {
 const NORM: f32 = 1.0 / (SAMPLES as f32 * 5.0 / 7.0);
 
 #[inline]
-fn judge(view: &View<'_>, samples: &[Sample; SAMPLES], at: &[Vec2; SAMPLES]) -> f32 {
-    let mut sum = 0.0;
-    for (sample, &p) in samples.iter().zip(at) {
-        if sample.inside + sample.outside == 0.0 {
-            continue;
-        }
-        if sample.inside > 0.0 && view.is_claimed(p) {
-            sum += sample.inside * HIDDEN;
-        } else {
-            sum += judge_one(view, sample, p);
-        }
-    }
-    sum * NORM
-}
-
-#[inline]
-fn judge_one(view: &View<'_>, sample: &Sample, p: Vec2) -> f32 {
-    let Some(colour) = view.image.at(p) else { return sample.inside * HIDDEN };
-    let animal = view.foreground.probability(colour);
-    if sample.inside > 0.0 {
-        let [dl, da, db] = [0, 1, 2].map(|c| f32::from(colour[c]) - f32::from(sample.colour[c]));
-        let d = 0.5 * dl * dl + da * da + db * db;
-        sample.inside * (TEXTURE * d / (d + COLOUR) + (1.0 - TEXTURE) * (1.0 - animal))
-    } else {
-        sample.outside * OUTSIDE * animal
-    }
+fn judge(view: &View<'_>, samples: &Samples, at: &[Vec2; SAMPLES]) -> f32 {
+    samples.costs(view, at)[..SAMPLES].iter().sum::<f32>() * NORM
 }

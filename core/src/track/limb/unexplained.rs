@@ -34,7 +34,7 @@ impl Unexplained {
         let mut places = Vec::new();
         if let Some(roots) = &tasks[0].roots {
             let root = roots[frame];
-            let image = &tasks[0].footage.lab[frame];
+            let view = tasks[0].view(frame);
             let claimed = claims.frame(frame);
             let steps = (length / step).min(64.0) as i32;
             for y in -steps..=steps {
@@ -42,8 +42,8 @@ impl Unexplained {
                     let p = root + Vec2::new(x as f32, y as f32) * step;
                     let cell = p / CLAIM_CELL;
                     if p.distance_squared(root) <= length * length
-                        && let Some(colour) = image.at(p)
-                        && tasks[0].foreground.probability(colour) >= ANIMAL
+                        && let Some((_, animal)) = view.at(p)
+                        && animal >= ANIMAL
                         && !claimed.at(cell.x as isize, cell.y as isize)
                     {
                         places.push(cell);

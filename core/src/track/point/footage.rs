@@ -173,29 +173,28 @@ impl Footage {
     pub(super) fn follow(&self, p: Vec2, from: usize, to: usize) -> (Vec2, f32) {
         let Some((along, against)) = self.limbs.flows(from, to) else { return (p, 0.0) };
         let (before, after) = (&self.pictures[from], &self.pictures[to]);
-        let mut patch = [[0.0f32; 4]; PATCH * PATCH];
-        let place = |i: usize| {
-            let half = 0.5 * (PATCH - 1) as f32;
-            Vec2::new((i % PATCH) as f32 - half, (i / PATCH) as f32 - half) * (PATCH_STEP * self.unit)
-        };
-        for (i, pixel) in patch.iter_mut().enumerate() {
-            *pixel = before.between(p + place(i));
+        let (mut steps, mut patch) = ([0.0; PATCH], [[[0.0f32; 4]; PATCH]; PATCH]);
+        for (i, step) in steps.iter_mut().enumerate() {
+            *step = (i as f32 - 0.5 * (PATCH - 1) as f32) * (PATCH_STEP * self.unit);
         }
+        let at = before.lattice(p, &steps);
+        patch.iter_mut().enumerate().for_each(|(row, pixels)| *pixels = at.row(row));
         // Infinite where it is no less than `most`: few motions need to be looked at in full.
         let miss = |motion: Vec2, most: f32| -> f32 {
-            let mut sum = 0.0;
-            for (row, pixels) in patch.chunks_exact(PATCH).enumerate() {
-                for (i, pixel) in pixels.iter().enumerate() {
-                    let there = after.between(p + motion + place(row * PATCH + i));
+            let at = after.lattice(p + motion, &steps);
+            let mut sums = [0.0f32; 4];
+            let mean = |[a, b, c, d]: [f32; 4]| ((a + b) + (c + d)) / (PATCH * PATCH) as f32;
+            for (row, pixels) in patch.iter().enumerate() {
+                for (pixel, there) in pixels.iter().zip(&at.row(row)) {
                     for c in 0..4 {
-                        sum += (pixel[c] - there[c]).abs().min(40.0);
+                        sums[c] += (pixel[c] - there[c]).abs().min(40.0);
                     }
                 }
-                if sum / (PATCH * PATCH) as f32 >= most {
+                if mean(sums) >= most {
                     return f32::INFINITY;
                 }
             }
-            sum / (PATCH * PATCH) as f32
+            mean(sums)
         };
         let flow = |field: &FlowField, p: Vec2| field.at(p * self.shrunk) / self.shrunk;
         let own = flow(along, p);
@@ -238,8 +237,7 @@ impl Footage {
             for y in -SEARCHED..=SEARCHED {
                 for x in -SEARCHED..=SEARCHED {
                     let motion = Vec2::new(x as f32, y as f32) * (SEARCH_STEP * self.unit);
-                    let unlike = after.looks(p + motion, &self.rings).unlike(&looks);
-                    if unlike < found[FOUND - 1].0 {
+                    if let Some(unlike) = after.unlike(p + motion, &self.rings, &looks, found[FOUND - 1].0) {
                         let at = found.partition_point(|f| f.0 <= unlike);
                         found[at..].rotate_right(1);
                         found[at] = (unlike, motion);
