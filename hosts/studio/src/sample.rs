@@ -10,9 +10,10 @@ const CHILD: &[u8] = include_bytes!("../../../data/characters/child/drawing.png"
 const CHILD_RIG: &str = include_str!("../../../data/characters/child/rig.json");
 const WALK: &str = include_str!("../../../data/characters/child/walk.motion.json");
 const GALLOP: &[u8] = include_bytes!("../../../data/animals/horse-gallop.webp");
-const GALLOP_POINTS: &str = include_str!("../../../data/animals/horse-gallop.points.json");
 const GALLOP_MOTION: &str = include_str!("../../../data/animals/horse-gallop.motion.json");
 const HORSE: &str = include_str!("../../../data/drawings/horse.svg");
+const HORSE_POINTS: &str = include_str!("../../../data/drawings/horse.points.json");
+const HORSE_MOTION: &str = include_str!("../../../data/drawings/horse.motion.json");
 const HORSE_BINDING: &str = include_str!("../../../data/drawings/horse.bind.json");
 
 /// Drawings that can be brought to life.
@@ -74,8 +75,8 @@ pub(crate) fn child() -> [(Part, Option<&'static [u8]>); 4] {
 /// A drawing of a horse, the points of one that gallops, where they go, and how they hold the drawing.
 pub(crate) fn horse() -> [(Part, Option<&'static [u8]>); 4] {
     [
-        (Part::Points, Some(GALLOP_POINTS.as_bytes())),
-        (Part::Motion, Some(GALLOP_MOTION.as_bytes())),
+        (Part::Points, Some(HORSE_POINTS.as_bytes())),
+        (Part::Motion, Some(HORSE_MOTION.as_bytes())),
         (Part::Drawing, Some(HORSE.as_bytes())),
         (Part::Binding, Some(HORSE_BINDING.as_bytes())),
     ]

@@ -123,7 +123,7 @@ fn a_drawing_is_exported_from_the_start_by_three_clicks() {
     desk.click("Open the sample: a horse that gallops");
     settle(&mut desk);
     let open = desk.open();
-    assert_eq!((open.marks().len(), open.handles().len()), (16, 16));
+    assert_eq!((open.marks().len(), open.handles().len()), (14, 14));
     assert!(open.playing());
     desk.click("Export…");
     desk.click("Export");
