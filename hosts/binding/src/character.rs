@@ -197,6 +197,11 @@ impl Character {
         (0..self.info()?.bones).map(|bone| sys::character_bone(&self.context.0, self.id, bone)).collect()
     }
 
+    /// The three vertices of each triangle of its mesh.
+    pub fn triangles(&self) -> Result<Vec<[u32; 3]>> {
+        sys::character_triangles(&self.context.0, self.id)
+    }
+
     /// Moves its joints at rest.
     pub fn set_joints(&self, places: &[(f32, f32)]) -> Result<()> {
         sys::character_set_joints(&self.context.0, self.id, &points(places))

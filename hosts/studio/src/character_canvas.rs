@@ -7,7 +7,7 @@ use crate::character_door::CharacterDoor;
 use crate::handles::{Done, Handle};
 use crate::icons::Icon;
 use crate::looking::{self, WHOLE};
-use crate::moving::MovingPictures;
+use crate::moving::{Moving, MovingPictures};
 use crate::shortcuts::Command;
 use crate::theme::{self, Palette};
 use crate::view::Placement;
@@ -120,6 +120,26 @@ impl CharacterDoor {
         if let Some(texture) = self.shop.pictures.picture() {
             painter.image(texture.id(), paper, WHOLE, Color32::WHITE);
         }
+        if self.mesh
+            && let (Moving::Character(take), Some(figure)) = (&moving, &self.figure)
+            && let Ok(points) = take.points(frame)
+        {
+            let place = |v: u32| points.get(v as usize).map(|p| placed.to_screen((p.0 - area.min.x, p.1 - area.min.y)));
+            let line = Stroke::new(1.0, palette.accent.gamma_multiply(0.6));
+            for [a, b] in &figure.edges {
+                if let (Some(a), Some(b)) = (place(*a), place(*b)) {
+                    painter.line_segment([a, b], line);
+                }
+            }
+        }
+        looking::toolbar(ui, panel, 4.0, |ui| {
+            if widgets::word_toggle(ui, texts::MESH, self.mesh, Command::Mask) {
+                self.mesh ^= true;
+            }
+            if widgets::command_button(ui, Icon::Fit, texts::FIT_MOVING, Command::Fit) {
+                self.moving_looking.fit();
+            }
+        });
         if let Some(failed) = &self.shop.pictures.failed {
             let galley = painter.layout(failed.clone(), FontId::proportional(14.0), palette.bad, panel.width() - 40.0);
             painter.galley(panel.min + vec2(20.0, 60.0), galley, palette.bad);

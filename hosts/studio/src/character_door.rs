@@ -7,7 +7,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use eframe::egui::{CentralPanel, ComboBox, Context as Gui, Frame, Margin, Panel, Pos2, ScrollArea, Slider, Ui};
-use marey_binding::{Access, Context, Motion, Part, Result};
+use marey_binding::{Access, Context, Motion, Part, PluginKind, Result};
 
 use crate::around::Around;
 use crate::background::Background;
@@ -39,6 +39,8 @@ pub(crate) struct CharacterDoor {
     /// The joint that is corrected, or marked on the clip next.
     pub(crate) selected: Option<usize>,
     pub(crate) bones: bool,
+    /// Whether the mesh is shown over what moves.
+    pub(crate) mesh: bool,
     /// Whether the clip that a motion is taken from is shown, with the drawing beside it.
     pub(crate) on_clip: bool,
     pub(crate) clip: ClipPoints,
@@ -74,6 +76,7 @@ impl CharacterDoor {
             hand: Hand::default(),
             selected: None,
             bones: true,
+            mesh: false,
             on_clip: true,
             clip: ClipPoints::default(),
             opening: None,
@@ -324,6 +327,7 @@ impl CharacterDoor {
             self.stretch = None;
             notes.stretch = stretch;
         }
+        bent_by(ui, &mut notes.deformer, around);
         if notes != before {
             self.set_notes(&notes, around);
         }
@@ -369,6 +373,7 @@ impl CharacterDoor {
                 self.selected = (count > 0).then(|| self.selected.map_or(0, |joint| (joint + 1) % count));
             }
             Command::Tracks => self.bones ^= true,
+            Command::Mask => self.mesh ^= true,
             Command::Paths => self.clip.paths ^= true,
             Command::Clip => self.on_clip ^= true,
             Command::RemoveStroke => self.unmark(around),
@@ -465,4 +470,24 @@ fn read_motion(context: &Context, path: &str, ending: &str) -> std::result::Resu
         Ok(None) => Err(texts::NO_MOTION_THERE.into()),
         Err(e) => Err(e.to_string()),
     }
+}
+
+/// What bends the drawing: what is built in, or a plugin.
+fn bent_by(ui: &mut Ui, deformer: &mut String, around: &Around) {
+    let built_in = [("", texts::NEEDLES, texts::NEEDLES_ABOUT), ("arap", texts::RIGID, texts::RIGID_ABOUT)];
+    let plugins = around.plugins.iter().flat_map(|plugins| plugins.of_kind(PluginKind::Deformer));
+    let plugins = plugins.map(|l| (&*l.plugin.id, &*l.plugin.name, &*l.plugin.about));
+    let all: Vec<(&str, &str, &str)> = built_in.into_iter().chain(plugins).collect();
+    let label = widgets::remark(ui, texts::BENT_BY);
+    // What is gone is called as the session calls it; making the motion says what is missing.
+    let shown = all.iter().find(|d| d.0 == deformer).map_or(&**deformer, |d| d.1).to_owned();
+    let list = ComboBox::from_id_salt("deformer").width(ui.available_width() - 12.0).selected_text(shown);
+    let list = list.show_ui(ui, |ui| {
+        for (id, name, about) in all {
+            if ui.selectable_label(deformer == id, name).on_hover_text(about).clicked() {
+                id.clone_into(deformer);
+            }
+        }
+    });
+    list.response.labelled_by(label.id);
 }

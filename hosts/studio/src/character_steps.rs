@@ -26,6 +26,8 @@ pub(crate) struct Figure {
     pub(crate) character: Arc<Character>,
     pub(crate) joints: Vec<(String, (f32, f32))>,
     pub(crate) bones: Vec<[u32; 2]>,
+    /// The edges of its mesh, each once.
+    pub(crate) edges: Vec<[u32; 2]>,
     pub(crate) size: Vec2,
 }
 
@@ -87,7 +89,14 @@ impl Filling for CharacterDoor {
                 let character = job.take_character()?;
                 let (info, joints, bones) = (character.info()?, character.joints()?, character.bones()?);
                 let size = vec2(info.size.0 as f32, info.size.1 as f32);
-                self.figure = Some(Figure { of, character: Arc::new(character), joints, bones, size });
+                let mut edges: Vec<[u32; 2]> = character
+                    .triangles()?
+                    .into_iter()
+                    .flat_map(|[a, b, c]| [[a.min(b), a.max(b)], [b.min(c), b.max(c)], [c.min(a), c.max(a)]])
+                    .collect();
+                edges.sort_unstable();
+                edges.dedup();
+                self.figure = Some(Figure { of, character: Arc::new(character), joints, bones, edges, size });
                 (self.still, self.moves) = (None, None);
             }
             Step::Still => self.still = Some(Moving::Character(Arc::new(job.take_take()?))),
@@ -196,7 +205,7 @@ impl CharacterDoor {
                     map: self.shop.document.text(Part::Map).unwrap_or(&own),
                     ..RetargetOptions::default()
                 };
-                let options = TakeOptions { retarget, ..TakeOptions::default() };
+                let options = TakeOptions { retarget, deformer: &made.notes.deformer, ..TakeOptions::default() };
                 context.start_take_of_motion(&figure.character, &motion, &options).map(Some)
             }
             _ => Ok(None),

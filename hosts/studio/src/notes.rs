@@ -36,12 +36,14 @@ pub(crate) struct CharacterNotes {
     pub(crate) on_spot: bool,
     /// Bones point where the motion's do, rather than turn as they do.
     pub(crate) absolute: bool,
+    /// What bends the drawing: "arap" or a plugin's id; empty for what is built in for characters.
+    pub(crate) deformer: String,
 }
 
 impl Default for CharacterNotes {
     fn default() -> Self {
         // A figure of other proportions tears at more, and looks stiff at none.
-        Self { stretch: 1.2, on_spot: true, absolute: false }
+        Self { stretch: 1.2, on_spot: true, absolute: false, deformer: String::new() }
     }
 }
 

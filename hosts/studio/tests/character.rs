@@ -66,6 +66,20 @@ fn a_picture_takes_a_motion_and_is_exported() {
     desk.click("Stays on the spot");
     settle(&mut desk, true);
 
+    // Bent by other means, a step of undo, with the mesh over it.
+    let steps = |desk: &Desk| desk.open().steps().0.map(str::to_owned);
+    let (before, first) = (steps(&desk), desk.open().fingerprint().unwrap());
+    desk.click("Bent by");
+    desk.click("as rigid as possible");
+    settle(&mut desk, true);
+    assert_ne!(desk.open().fingerprint().unwrap(), first);
+    desk.keys(Modifiers::NONE, Key::Num4);
+    desk.harness.check_accessibility();
+    desk.keys(Modifiers::NONE, Key::Num4);
+    desk.keys(CTRL, Key::Z);
+    settle(&mut desk, true);
+    assert_eq!((steps(&desk), desk.open().fingerprint().unwrap()), (before, first));
+
     desk.click("Export…");
     desk.click("Animated PNG");
     desk.click("Export");

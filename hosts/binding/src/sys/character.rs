@@ -51,6 +51,12 @@ pub(crate) fn character_bone(handle: &Handle, character: mry_character, bone: u3
     Ok(ends)
 }
 
+pub(crate) fn character_triangles(handle: &Handle, character: mry_character) -> Result<Vec<[u32; 3]>> {
+    sized_list(|triangles: *mut [u32; 3], capacity, count| {
+        call!(mry_character_read_triangles(handle, character, triangles.cast(), capacity, count))
+    })
+}
+
 pub(crate) fn character_set_joints(handle: &Handle, character: mry_character, places: &[mry_point]) -> Result<()> {
     call!(mry_character_set_joints(handle, character, places.as_ptr(), places.len())).map(drop)
 }
