@@ -37,11 +37,11 @@ fn others(a: &RgbImage, b: &RgbImage) -> usize {
 
 #[test]
 fn what_the_docs_show_is_what_a_person_sees() {
-    let mut desk = Desk::in_folder(Arc::new(tempfile::tempdir().unwrap()), Theme::Dark);
-    if let Err(problem) = screens::picture(&mut desk) {
+    if let Err(problem) = marey_binding::Context::new(1).unwrap().renderer(marey_binding::Adapter::Gpu) {
         println!("skipped: nothing draws here ({problem}); `cargo xtask test` installs a driver");
         return;
     }
+    let mut desk = Desk::in_folder(Arc::new(tempfile::tempdir().unwrap()), Theme::Dark);
     let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/pictures");
     let seen = RefCell::new(Vec::new());
     let compare = |desk: &mut Desk, name: &str| {
