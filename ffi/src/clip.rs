@@ -4,7 +4,7 @@
 use std::ffi::c_char;
 use std::sync::Arc;
 
-use marey::clip::{Clip, ClipOptions};
+use marey::clip::{Clip, ClipOptions, Picture};
 
 use crate::border::{self, Out, OutStruct, Text, Versioned};
 use crate::context::{Context, MRY_LOG_WARNING, mry_context};
@@ -78,6 +78,17 @@ const _: () = assert!(size_of::<mry_clip_info>() == 48);
 impl Call<'_> {
     pub(crate) fn clip(&self, clip: mry_clip, param: &'static str) -> Outcome<Arc<Clip>> {
         Ok(self.get(&self.context.clips, clip.v, param)?.value.clone())
+    }
+
+    /// A frame that fits into rows of so many bytes a pixel, and how many bytes those have.
+    fn decoded(&self, clip: mry_clip, frame: u64, bytes: usize, rows: &Rows) -> Outcome<(Arc<Picture>, usize)> {
+        let clip = self.clip(clip, "clip")?;
+        let info = clip.info();
+        let row_bytes = bytes * info.width as usize;
+        let frame = frame_index(frame, info.frames)?;
+        rows.fits(row_bytes, info.height as usize)?;
+        let picture = clip.frame(frame).map_err(|e| Failure::from(e).about("clip"))?;
+        Ok((picture, row_bytes))
     }
 
     pub(crate) fn keep_clip(&self, clip: Arc<Clip>) -> Outcome<mry_clip> {
@@ -329,12 +340,7 @@ pub unsafe extern "C" fn mry_clip_read_frame(
 ) -> mry_status {
     entry!(context, err, |call| {
         let rows = Rows::new(pixels, capacity, stride_bytes, "pixels")?;
-        let clip = call.clip(clip, "clip")?;
-        let info = clip.info();
-        let row_bytes = 3 * info.width as usize;
-        let frame = frame_index(frame, info.frames)?;
-        rows.fits(row_bytes, info.height as usize)?;
-        let picture = clip.frame(frame).map_err(|e| Failure::from(e).about("clip"))?;
+        let (picture, row_bytes) = call.decoded(clip, frame, 3, &rows)?;
         rows.write(picture.rgb.as_raw(), row_bytes)?;
         Ok(Code::MRY_OK)
     })
@@ -364,15 +370,10 @@ pub unsafe extern "C" fn mry_clip_read_alpha(
 ) -> mry_status {
     entry!(context, err, |call| {
         let rows = Rows::new(pixels, capacity, stride_bytes, "pixels")?;
-        let clip = call.clip(clip, "clip")?;
-        let info = clip.info();
-        let row_bytes = info.width as usize;
-        let frame = frame_index(frame, info.frames)?;
-        rows.fits(row_bytes, info.height as usize)?;
-        let picture = clip.frame(frame).map_err(|e| Failure::from(e).about("clip"))?;
+        let (picture, row_bytes) = call.decoded(clip, frame, 1, &rows)?;
         match &picture.alpha {
             Some(alpha) => rows.write(alpha.as_raw(), row_bytes)?,
-            None => rows.write(&vec![255; row_bytes * info.height as usize], row_bytes)?,
+            None => rows.write(&vec![255; row_bytes * picture.rgb.height() as usize], row_bytes)?,
         }
         Ok(Code::MRY_OK)
     })

@@ -95,6 +95,8 @@ pub(crate) struct Document {
     pub(crate) tracked: Option<Tracked>,
     /// The points that are marked in the clip.
     pub(crate) marks: Marks,
+    /// What the studio itself keeps in the session.
+    pub(crate) notes: Notes,
     /// The other parts, as far as there are.
     parts: HashMap<Part, Arc<Vec<u8>>>,
     pub(crate) state: SessionState,
@@ -141,7 +143,7 @@ impl Document {
             (Some(points), Some(_), Some(clip)) => Some(Stamp::new(points, &clip.info()?)),
             _ => None,
         };
-        let notes = serde_json::to_vec(&Notes { door, solved, ..Notes::default() }).unwrap_or_default();
+        let notes = Notes { door, solved, ..Notes::default() }.bytes();
         let session = context.new_untitled_session(&unsaved.to_string_lossy())?;
         let set_up = || {
             session.begin_gesture(texts::EDIT_OPEN)?;
@@ -175,6 +177,7 @@ impl Document {
             painted: HashMap::new(),
             tracked: None,
             marks: Marks::new((1, 1)),
+            notes: Notes::default(),
             parts: HashMap::new(),
             state,
             undo: None,
@@ -562,6 +565,8 @@ impl Document {
         let size = self.clip.as_ref().map_or((1, 1), |(_, info)| (info.width, info.height));
         let read = self.part(Part::Points).and_then(|bytes| Marks::parse(bytes));
         self.marks = read.unwrap_or_else(|| Marks::new(size));
+        // They are asked for with every picture of the window.
+        self.notes = Notes::parse(self.part(Part::Notes));
         Ok(())
     }
 

@@ -47,53 +47,59 @@ impl Default for CharacterNotes {
     }
 }
 
+impl Notes {
+    /// Those of a session without notes, or with damaged ones, are the usual.
+    pub(crate) fn parse(bytes: Option<&Arc<Vec<u8>>>) -> Self {
+        bytes.and_then(|notes| serde_json::from_slice(notes).ok()).unwrap_or_default()
+    }
+
+    pub(crate) fn bytes(&self) -> Vec<u8> {
+        serde_json::to_vec(self).unwrap_or_default()
+    }
+}
+
 impl Document {
     /// What is made of it.
     pub(crate) fn door(&self) -> Door {
-        self.notes().door
-    }
-
-    fn notes(&self) -> Notes {
-        self.part(Part::Notes).and_then(|notes| serde_json::from_slice(notes).ok()).unwrap_or_default()
+        self.notes.door
     }
 
     /// How a motion is carried over.
     pub(crate) fn character_notes(&self) -> CharacterNotes {
-        self.notes().character
+        self.notes.character.clone()
     }
 
     pub(crate) fn set_character_notes(&mut self, label: &str, character: &CharacterNotes) -> Result<()> {
-        self.set_notes(label, &Notes { character: character.clone(), ..self.notes() })
+        self.set_notes(label, &Notes { character: character.clone(), ..self.notes.clone() })
     }
 
     /// The time that what is made takes.
     pub(crate) fn timing(&self) -> Timing {
-        self.notes().timing
+        self.notes.timing
     }
 
     pub(crate) fn set_timing(&mut self, timing: Timing) -> Result<()> {
-        self.set_notes(texts::EDIT_TIMING, &Notes { timing, ..self.notes() })
+        self.set_notes(texts::EDIT_TIMING, &Notes { timing, ..self.notes.clone() })
     }
 
     fn set_notes(&mut self, label: &str, notes: &Notes) -> Result<()> {
-        let json = serde_json::to_vec(notes).unwrap_or_default();
-        self.set_parts(label, &[(Part::Notes, Some(&json))])
+        self.set_parts(label, &[(Part::Notes, Some(&notes.bytes()))])
     }
 
     /// For which picture of a character joints are marked, by its fingerprint.
     pub(crate) fn marked_for(&self) -> Option<u64> {
-        self.notes().marked_for
+        self.notes.marked_for
     }
 
     /// Marks joints of the character with this picture, one step of undo.
     pub(crate) fn set_joint_marks(&mut self, label: &str, marks: &[u8], picture: Option<u64>) -> Result<()> {
-        let json = serde_json::to_vec(&Notes { marked_for: picture, ..self.notes() }).unwrap_or_default();
-        self.set_parts(label, &[(Part::Points, Some(marks)), (Part::Notes, Some(&json))])
+        let notes = Notes { marked_for: picture, ..self.notes.clone() }.bytes();
+        self.set_parts(label, &[(Part::Points, Some(marks)), (Part::Notes, Some(&notes))])
     }
 
     /// Of what the motion is that was followed and kept.
     pub(crate) fn stamp(&self) -> Option<Stamp> {
-        self.notes().solved
+        self.notes.solved
     }
 
     /// Keeps where marked points go, as a part of the step that they were followed for. While something can be done again
@@ -103,12 +109,11 @@ impl Document {
         if self.part(Part::Points) != Some(points) || self.redo.is_some() {
             return Ok(());
         }
-        let notes = Notes { solved: Some(Stamp::new(points, clip)), ..self.notes() };
-        let json = serde_json::to_vec(&notes).unwrap_or_default();
+        let notes = Notes { solved: Some(Stamp::new(points, clip)), ..self.notes.clone() }.bytes();
         let label = format!("{}{}", self.undo.as_deref().unwrap_or(texts::EDIT_OPEN), texts::EDIT_FOLLOWED);
         // Nobody did anything.
         let worked_on = self.worked_on;
-        let kept = self.set_parts(&label, &[(Part::Motion, Some(motion.as_bytes())), (Part::Notes, Some(&json))]);
+        let kept = self.set_parts(&label, &[(Part::Motion, Some(motion.as_bytes())), (Part::Notes, Some(&notes))]);
         self.worked_on = worked_on;
         kept
     }

@@ -35,6 +35,32 @@ pub fn picture(desk: &mut Desk) -> Result<RgbImage, String> {
 /// Takes the screen of that name, once it is drawn as it is.
 pub type Save<'a> = &'a dyn Fn(&mut Desk, &str);
 
+/// Stops what plays, at so many frames from the first.
+fn stop_at(desk: &mut Desk, frame: u32) {
+    desk.harness.key_press(Key::Space);
+    desk.harness.run_steps(3);
+    desk.harness.key_press(Key::Home);
+    for _ in 0..frame {
+        desk.harness.key_press(Key::Period);
+    }
+}
+
+/// The export dialog with a format and a file, as the screen of this name; and closed again.
+fn export(desk: &mut Desk, save: Save<'_>, format: &str, file: &str, name: &str) {
+    desk.click("Export…");
+    desk.click(format);
+    desk.click("File");
+    desk.harness.key_press_modifiers(Modifiers::COMMAND, Key::A);
+    desk.harness.step();
+    desk.harness.get_by_label("File").type_text(file);
+    desk.harness.step();
+    desk.harness.key_press(Key::Enter);
+    desk.rest(1500);
+    save(desk, name);
+    desk.harness.key_press(Key::Escape);
+    desk.harness.run_steps(3);
+}
+
 pub fn creature(desk: &mut Desk, save: Save<'_>) {
     // Drawing, in the middle of a leg.
     let clip = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../data/fox/clip.mp4");
@@ -59,12 +85,7 @@ pub fn creature(desk: &mut Desk, save: Save<'_>) {
     desk.rest(1500);
     save(desk, "making");
     desk.wait("the creature", |s| s.open().is_some_and(|o| o.has_creature() && o.pictures() > 0));
-    desk.harness.key_press(Key::Space);
-    desk.harness.run_steps(3);
-    desk.harness.key_press(Key::Home);
-    for _ in 0..23 {
-        desk.harness.key_press(Key::Period);
-    }
+    stop_at(desk, 23);
     desk.click("Draw hind_near");
     desk.rest(1500);
     save(desk, "creature");
@@ -134,18 +155,7 @@ pub fn creature(desk: &mut Desk, save: Save<'_>) {
     desk.harness.key_press(Key::V);
     desk.rest(1500);
     save(desk, "overlays");
-    desk.click("Export…");
-    desk.click("Animated WebP");
-    desk.click("File");
-    desk.harness.key_press_modifiers(Modifiers::COMMAND, Key::A);
-    desk.harness.step();
-    desk.harness.get_by_label("File").type_text("Pictures/A fox that walks.webp");
-    desk.harness.step();
-    desk.harness.key_press(Key::Enter);
-    desk.rest(1500);
-    save(desk, "export");
-    desk.harness.key_press(Key::Escape);
-    desk.harness.run_steps(3);
+    export(desk, save, "Animated WebP", "Pictures/A fox that walks.webp", "export");
     desk.harness.key_press_modifiers(Modifiers::NONE, Key::F1);
     save(desk, "keys");
     desk.click("Keys of Last frame: End");
@@ -165,12 +175,7 @@ pub fn character(desk: &mut Desk, save: Save<'_>) {
     // As it walks, with a joint selected.
     desk.click("Open the sample: a girl who waves");
     desk.wait("the girl to walk", |s| s.open().is_some_and(|o| o.moves() && !o.is_busy() && o.pictures() > 8));
-    desk.harness.key_press(Key::Space);
-    desk.harness.run_steps(3);
-    desk.harness.key_press(Key::Home);
-    for _ in 0..6 {
-        desk.harness.key_press(Key::Period);
-    }
+    stop_at(desk, 6);
     for _ in 0..8 {
         desk.harness.key_press(Key::L);
     }
@@ -254,12 +259,7 @@ pub fn drawing(desk: &mut Desk, save: Save<'_>) {
     desk.harness.run_steps(3);
     desk.click("Open the sample: a horse that gallops");
     desk.wait("the horse to gallop", |s| s.open().is_some_and(|o| o.moves() && !o.is_busy() && o.pictures() > 8));
-    desk.harness.key_press(Key::Space);
-    desk.harness.run_steps(3);
-    desk.harness.key_press(Key::Home);
-    for _ in 0..5 {
-        desk.harness.key_press(Key::Period);
-    }
+    stop_at(desk, 5);
     desk.rest(800);
     save(desk, "lives");
     desk.click("Numbers");
@@ -268,16 +268,5 @@ pub fn drawing(desk: &mut Desk, save: Save<'_>) {
     }
     desk.rest(800);
     save(desk, "gallops");
-    desk.click("Export…");
-    desk.click("Lottie (.json)");
-    desk.click("File");
-    desk.harness.key_press_modifiers(Modifiers::COMMAND, Key::A);
-    desk.harness.step();
-    desk.harness.get_by_label("File").type_text("Pictures/A horse that gallops.json");
-    desk.harness.step();
-    desk.harness.key_press(Key::Enter);
-    desk.rest(1200);
-    save(desk, "lives-export");
-    desk.harness.key_press(Key::Escape);
-    desk.harness.run_steps(3);
+    export(desk, save, "Lottie (.json)", "Pictures/A horse that gallops.json", "lives-export");
 }
