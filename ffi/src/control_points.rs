@@ -64,7 +64,7 @@ impl Call<'_> {
         }
     }
 
-    fn keep_control_points(&self, points: PointMarks) -> Outcome<mry_control_points> {
+    pub(crate) fn keep_control_points(&self, points: PointMarks) -> Outcome<mry_control_points> {
         Ok(mry_control_points { v: self.context.control_points.insert(RwLock::new(points))? })
     }
 }

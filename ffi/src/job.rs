@@ -15,6 +15,7 @@ use crate::border::{self, Out, OutStruct, Text, Versioned};
 use crate::character::mry_character;
 use crate::clip::mry_clip;
 use crate::context::mry_context;
+use crate::control_points::mry_control_points;
 use crate::creature::mry_creature;
 use crate::error::{copy_text, mry_error};
 use crate::guard::{ending, entry};
@@ -275,6 +276,28 @@ pub unsafe extern "C" fn mry_job_take_take(
     entry!(context, err, |call| {
         let out = Out::new(out_take, "out_take")?;
         call.job(job)?.take(|p| &mut p.take, |take| call.keep_take(take).map(|id| out.set(id)))
+    })
+}
+
+/// Takes the control points that a job proposed; once.
+///
+/// @param context     The context.
+/// @param job         The job.
+/// @param out_points  The points.
+/// @param err         Detail of the job's or the call's failure, or NULL.
+/// @return MRY_OK; MRY_PENDING and MRY_CANCELLED (no output), the error the job ended with, MRY_E_TAKEN, MRY_E_KIND.
+/// Lifetime: until mry_control_points_destroy or the end of the context; the job may go before.
+/// Thread: [any-thread]. Since 0.1.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mry_job_take_control_points(
+    context: *mut mry_context,
+    job: mry_job,
+    out_points: *mut mry_control_points,
+    err: *mut mry_error,
+) -> mry_status {
+    entry!(context, err, |call| {
+        let out = Out::new(out_points, "out_points")?;
+        call.job(job)?.take(|p| &mut p.control_points, |points| call.keep_control_points(points).map(|id| out.set(id)))
     })
 }
 

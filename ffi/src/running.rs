@@ -7,6 +7,7 @@ use std::time::Instant;
 use marey::clip::Clip;
 use marey::job::Progress;
 use marey::motion::Motion;
+use marey::rig::PointMarks;
 use marey::shape::sketch::Binding;
 use marey::shape::solid::Solid;
 
@@ -37,6 +38,7 @@ pub(crate) enum Part<T> {
 pub(crate) struct Product {
     pub(crate) clip: Part<Arc<Clip>>,
     pub(crate) motion: Part<Arc<Motion>>,
+    pub(crate) control_points: Part<PointMarks>,
     pub(crate) masks: Part<Arc<MaskSet>>,
     pub(crate) creature: Part<Arc<Creature>>,
     pub(crate) for_session: Part<ForSession>,

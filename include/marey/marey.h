@@ -7702,6 +7702,23 @@ mry_status mry_job_take_take(mry_context *context,
                              mry_error *err);
 
 /**
+ * Takes the control points that a job proposed; once.
+ *
+ * @param context     The context.
+ * @param job         The job.
+ * @param out_points  The points.
+ * @param err         Detail of the job's or the call's failure, or NULL.
+ * @return MRY_OK; MRY_PENDING and MRY_CANCELLED (no output), the error the job ended with, MRY_E_TAKEN, MRY_E_KIND.
+ * Lifetime: until mry_control_points_destroy or the end of the context; the job may go before.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_job_take_control_points(mry_context *context,
+                                       mry_job job,
+                                       mry_control_points *out_points,
+                                       mry_error *err);
+
+/**
  * Takes the binding that a bind job made; once.
  *
  * @param context      The context.
@@ -7945,6 +7962,58 @@ mry_status mry_motion_get_capture_report(mry_context *context,
                                          size_t capacity,
                                          size_t *out_size,
                                          mry_error *err);
+
+/** @} */
+
+/**
+ * @defgroup point_proposing Proposed points
+ *
+ * Proposed points. Control points for what a frame of a clip shows, where nobody has marked any: on the ends of what moves,
+ * or is opaque, or stands before an even background, and where its limbs meet and bend. They are there to be corrected.
+ * @{
+ */
+
+/**
+ * Starts looking for points to follow. Gives control points, each with one key, on this frame, named "1", "2", ...
+ *
+ * @param context  The context.
+ * @param clip     The clip.
+ * @param frame    The frame.
+ * @param most     How many points at most, up to 256; 0 for 10.
+ * @param out_job  The job. It ends with MRY_E_INPUT where nothing is seen to move.
+ * @param err      Detail of a failure, or NULL.
+ * @return MRY_OK; MRY_E_BUSY.
+ * Lifetime: until mry_job_destroy or the end of the context.
+ * Thread: [any-thread]. Since 0.1.
+ */
+MRY_API
+mry_status mry_job_start_propose_points(mry_context *context,
+                                        mry_clip clip,
+                                        uint64_t frame,
+                                        uint32_t most,
+                                        mry_job *out_job,
+                                        mry_error *err);
+
+/**
+ * Looks for points to follow, and returns when it is done. Work that was started before comes first.
+ *
+ * @param context     The context.
+ * @param clip        The clip.
+ * @param frame       The frame.
+ * @param most        How many points at most, up to 256; 0 for 10.
+ * @param out_points  The points, valid.
+ * @param err         Detail of a failure, or NULL.
+ * @return MRY_OK; what mry_job_start_propose_points and mry_job_wait return.
+ * Lifetime: until mry_control_points_destroy or the end of the context.
+ * Thread: [outside-callbacks]. Since 0.1.
+ */
+MRY_API
+mry_status mry_run_propose_points(mry_context *context,
+                                  mry_clip clip,
+                                  uint64_t frame,
+                                  uint32_t most,
+                                  mry_control_points *out_points,
+                                  mry_error *err);
 
 /** @} */
 

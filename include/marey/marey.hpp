@@ -1263,6 +1263,11 @@ public:
     return other<marey::masks, mry_masks>(
       [&](mry_masks *id, mry_error *err) { return mry_job_take_masks(c(), id_, id, err); });
   }
+  /** Takes the control points that it proposed; once. */
+  result<marey::control_points> take_control_points() {
+    return other<marey::control_points, mry_control_points>(
+      [&](mry_control_points *id, mry_error *err) { return mry_job_take_control_points(c(), id_, id, err); });
+  }
   /** Takes the binding that a bind job made; once. */
   result<marey::binding> take_binding() {
     return other<marey::binding, mry_binding>(
@@ -2080,6 +2085,12 @@ public:
     desc.earlier_joints = earlier_joints.id();
     return make<job, mry_job>(
       [&](mry_job *id, mry_error *err) { return mry_job_start_capture(get(), &desc, id, err); });
+  }
+  /** Starts looking for points to follow on a frame of the clip, `most` at most; 0 for 10. */
+  result<job> start_propose_points(const clip &clip, std::uint64_t frame, std::uint32_t most = 0) const {
+    return make<job, mry_job>([&](mry_job *id, mry_error *err) {
+      return mry_job_start_propose_points(get(), clip.id(), frame, most, id, err);
+    });
   }
   /** Starts tracking control points through the clip. With `keep`, what was read and solved stays in memory until the clip is
    *  closed, and the next time only what differs is solved. */

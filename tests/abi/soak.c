@@ -979,7 +979,7 @@ static mry_status start_job(soak *s) {
   mry_status status;
   mry_clip clip = { id(s, CLIP) };
   mry_rig rig = { id(s, RIG) };
-  switch (below(s, 11)) {
+  switch (below(s, 12)) {
     case 0: status = mry_job_start_open(s->context, MRY_STR(s->clip), NULL, &job, ERR); break;
     case 1: {
       mry_track_desc desc = MRY_TRACK_DESC_INIT;
@@ -1009,6 +1009,7 @@ static mry_status start_job(soak *s) {
       status = mry_job_start_export(s->context, &desc, &job, ERR);
       break;
     }
+    case 11: status = mry_job_start_propose_points(s->context, clip, frame(s), number(s, 9), &job, ERR); break;
     case 6: {
       mry_point_track_desc desc = MRY_POINT_TRACK_DESC_INIT;
       desc.clip = clip;
@@ -1135,9 +1136,10 @@ static mry_status use_job(soak *s) {
   mry_binding binding = { 0 };
   mry_sketch_take sketch = { 0 };
   mry_solid solid = { 0 };
+  mry_control_points points = { 0 };
   size_t count = 0;
   mry_status status;
-  switch (below(s, 14)) {
+  switch (below(s, 15)) {
     case 0: return below(s, 20) == 0 ? mry_job_cancel(s->context, job, ERR) : MRY_OK;
     case 1: return mry_job_wait(s->context, job, below(s, 4) == 0 ? UINT64_C(20000000) : 0, ERR);
     case 2: status = mry_job_take_clip(s->context, job, &clip, ERR); break;
@@ -1149,6 +1151,7 @@ static mry_status use_job(soak *s) {
     case 9: status = mry_job_take_binding(s->context, job, &binding, ERR); break;
     case 10: status = mry_job_take_sketch_take(s->context, job, &sketch, ERR); break;
     case 11: status = mry_job_take_solid(s->context, job, &solid, ERR); break;
+    case 12: status = mry_job_take_control_points(s->context, job, &points, ERR); break;
     case 8: return mry_job_get_report(s->context, job, out(s), room(s, 1), &count, ERR);
     default: SIZED(mry_job_state, &state); return mry_job_poll(s->context, job, &state, ERR);
   }
@@ -1161,6 +1164,7 @@ static mry_status use_job(soak *s) {
   keep(s, BINDING, binding.v);
   keep(s, SKETCH, sketch.v);
   keep(s, SOLID, solid.v);
+  keep(s, POINTS, points.v);
   return status;
 }
 

@@ -14,7 +14,7 @@ use cbindgen::{Builder, Config, DocumentationStyle, EnumConfig, ExportConfig, Fu
 use crate::shell::{root, say};
 
 /// The files of ffi/src in the order a reader meets them.
-const FILES: [&str; 70] = [
+const FILES: [&str; 71] = [
     "version.rs",
     "status.rs",
     "string.rs",
@@ -64,6 +64,7 @@ const FILES: [&str; 70] = [
     "opening.rs",
     "tracking.rs",
     "capturing.rs",
+    "point_proposing.rs",
     "point_tracking.rs",
     "bind_job.rs",
     "sketch_files.rs",

@@ -61,6 +61,9 @@ struct PointsFile {
 }
 
 impl PointMarks {
+    /// How many points there can be.
+    pub const MOST: usize = MAX_POINTS;
+
     /// Reads points.json and validates it.
     ///
     /// # Errors

@@ -5,6 +5,7 @@ mod earlier;
 pub mod flow;
 pub mod joint;
 pub mod limb;
+pub(crate) mod moving;
 pub mod point;
 
 pub use earlier::{Earlier, outdated_frames};

@@ -202,6 +202,16 @@ impl Character {
         sys::character_triangles(&self.context.0, self.id)
     }
 
+    /// The vertices of its mesh at rest.
+    pub fn vertices(&self) -> Result<Vec<(f32, f32)>> {
+        Ok(places(&sys::character_vertices(&self.context.0, self.id)?))
+    }
+
+    /// The bone that each vertex follows.
+    pub fn vertex_bones(&self) -> Result<Vec<u32>> {
+        sys::character_vertex_bones(&self.context.0, self.id)
+    }
+
     /// Moves its joints at rest.
     pub fn set_joints(&self, places: &[(f32, f32)]) -> Result<()> {
         sys::character_set_joints(&self.context.0, self.id, &points(places))

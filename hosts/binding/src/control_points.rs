@@ -27,6 +27,11 @@ impl Context {
         Ok(ControlPoints { id: sys::control_points_from_json(&self.0, json)?, context: self.clone() })
     }
 
+    /// Starts looking for points to follow on a frame, `most` at most; 0 for the default.
+    pub fn start_propose_points(&self, clip: &Clip, frame: u64, most: u32) -> Result<Job> {
+        Ok(Job { id: sys::start_propose_points(&self.0, clip.id, frame, most)?, context: self.clone() })
+    }
+
     /// Starts tracking points. With `keep`, what was read and solved stays in memory until the clip is closed, and the
     /// next time only what differs is solved.
     pub fn start_point_track(&self, clip: &Clip, points: &ControlPoints, keep: bool) -> Result<Job> {
@@ -58,6 +63,13 @@ impl ControlPoints {
     /// Takes a point's key on a frame back.
     pub fn unmark(&self, name: &str, frame: u64) -> Result<()> {
         sys::control_points_unmark(&self.context.0, self.id, name, frame)
+    }
+}
+
+impl Job {
+    /// The control points that it proposed; once.
+    pub fn take_control_points(&self) -> Result<ControlPoints> {
+        Ok(ControlPoints { id: sys::take_control_points(&self.context.0, self.id)?, context: self.context.clone() })
     }
 }
 

@@ -45,6 +45,7 @@ fn run(args: &Args) -> Result<(), Failure> {
     match &args.command {
         Command::Info(info) => commands::info(&session, info),
         Command::Track(track) => commands::track(&session, track),
+        Command::Points(points) => commands::points(&session, points),
         Command::Segment(segment) => commands::segment(&session, segment),
         Command::Creature(creature) => commands::creature(&session, creature),
         Command::Render(render) => commands::render(&session, render),

@@ -235,3 +235,49 @@ fn what_cannot_be_drawn_or_bound_is_said() {
     ]);
     assert!(Path::new(&many).join("fish.json").exists() && Path::new(&many).join("snake.json").exists());
 }
+
+#[test]
+fn points_are_found_on_what_moves_and_followed() {
+    let desk = Desk::new();
+    let (clip, points) = (sample("fox/clip.mp4"), desk.path("points.json"));
+    let said = report(&["points", &clip, "--frame", "30", "-o", &points]);
+    let file: Value = serde_json::from_str(&std::fs::read_to_string(&points).unwrap()).unwrap();
+    let marks = file["points"].as_array().unwrap();
+    assert_eq!((said["points"].as_u64(), said["frame"].as_u64()), (Some(marks.len() as u64), Some(30)));
+    // On the fox, as it truly is, and all over it: nose, tail and four feet are far apart.
+    let fox = image::open(sample("fox/masks/00030.png")).unwrap().to_luma8();
+    let at: Vec<(f64, f64)> = marks
+        .iter()
+        .map(|mark| {
+            let at = &mark["keys"][0]["at"];
+            (at[0].as_f64().unwrap(), at[1].as_f64().unwrap())
+        })
+        .collect();
+    for (x, y) in &at {
+        let near = (-3..=3)
+            .any(|dy| (-3..=3).any(|dx| fox.get_pixel((*x as i32 + dx) as u32, (*y as i32 + dy) as u32).0[0] > 127));
+        assert!(near, "({x}, {y}) is beside the fox");
+    }
+    let inside: Vec<(u32, u32)> = fox.enumerate_pixels().filter(|p| p.2.0[0] > 127).map(|p| (p.0, p.1)).collect();
+    let wide = |of: &mut dyn Iterator<Item = f64>| {
+        let (low, high) = of.fold((f64::INFINITY, 0.0f64), |(low, high), v| (low.min(v), high.max(v)));
+        high - low
+    };
+    let all = wide(&mut inside.iter().map(|p| f64::from(p.0)));
+    assert!(wide(&mut at.iter().map(|p| p.0)) > 0.9 * all && at.len() >= 8, "{at:?}");
+    let feet = inside.iter().map(|p| p.1).max().unwrap();
+    assert!(at.iter().filter(|p| f64::from(feet) - p.1 < 25.0).count() >= 4, "{at:?}");
+    let motion = desk.path("motion.json");
+    report(&["track", &clip, "--points", &points, "-o", &motion]);
+    assert!(std::fs::read_to_string(&motion).unwrap().contains("marey-motion"));
+
+    let still = desk.path("still");
+    std::fs::create_dir(&still).unwrap();
+    for frame in 0..3 {
+        RgbImage::from_pixel(64, 48, Rgb([90, 120, 60]))
+            .save(Path::new(&still).join(format!("{frame:05}.png")))
+            .unwrap();
+    }
+    let refused = fails(&["points", &still, "-o", &points], 3);
+    assert!(refused.contains("nothing is seen to move in frame 0"), "{refused}");
+}

@@ -33,6 +33,12 @@ impl CharacterDoor {
             self.still_pictures.update(ui.ctx(), still, 0, placed.scale * ui.pixels_per_point());
             show_picture(&painter, placed, &self.still_pictures);
         }
+        if self.needles
+            && let Some(figure) = &self.figure
+        {
+            let at: Vec<_> = joints.iter().map(|(_, at)| *at).collect();
+            figure.needles.paint_rest(&painter, &at, |p| placed.to_screen(p));
+        }
         let handles: Vec<Handle> =
             (0..joints.len()).map(|number| Handle { number, at: joints[number].1, sure: 1.0, by_hand: true }).collect();
         if self.bones {
@@ -120,21 +126,30 @@ impl CharacterDoor {
         if let Some(texture) = self.shop.pictures.picture() {
             painter.image(texture.id(), paper, WHOLE, Color32::WHITE);
         }
-        if self.mesh
-            && let (Moving::Character(take), Some(figure)) = (&moving, &self.figure)
-            && let Ok(points) = take.points(frame)
+        if let (Moving::Character(take), Some(figure)) = (&moving, &self.figure)
+            && (self.mesh || self.needles)
+            && let (Ok(points), Ok(joints)) = (take.points(frame), take.joints(frame))
         {
-            let place = |v: u32| points.get(v as usize).map(|p| placed.to_screen((p.0 - area.min.x, p.1 - area.min.y)));
-            let line = Stroke::new(1.0, palette.accent.gamma_multiply(0.6));
-            for [a, b] in &figure.edges {
-                if let (Some(a), Some(b)) = (place(*a), place(*b)) {
-                    painter.line_segment([a, b], line);
+            let on_screen = |p: (f32, f32)| placed.to_screen((p.0 - area.min.x, p.1 - area.min.y));
+            if self.mesh {
+                let place = |v: u32| points.get(v as usize).map(|p| on_screen(*p));
+                let line = Stroke::new(1.0, palette.accent.gamma_multiply(0.6));
+                for [a, b] in &figure.edges {
+                    if let (Some(a), Some(b)) = (place(*a), place(*b)) {
+                        painter.line_segment([a, b], line);
+                    }
                 }
+            }
+            if self.needles {
+                figure.needles.paint(&painter, &points, &joints, on_screen);
             }
         }
         looking::toolbar(ui, panel, 4.0, |ui| {
             if widgets::word_toggle(ui, texts::MESH, self.mesh, Command::Mask) {
                 self.mesh ^= true;
+            }
+            if widgets::word_toggle(ui, texts::NEEDLES_SHOWN, self.needles, Command::Overlaps) {
+                self.needles ^= true;
             }
             if widgets::command_button(ui, Icon::Fit, texts::FIT_MOVING, Command::Fit) {
                 self.moving_looking.fit();

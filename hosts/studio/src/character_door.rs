@@ -41,6 +41,8 @@ pub(crate) struct CharacterDoor {
     pub(crate) bones: bool,
     /// Whether the mesh is shown over what moves.
     pub(crate) mesh: bool,
+    /// Whether what holds each vertex to its bone is shown, on the drawing and over what moves.
+    pub(crate) needles: bool,
     /// Whether the clip that a motion is taken from is shown, with the drawing beside it.
     pub(crate) on_clip: bool,
     pub(crate) clip: ClipPoints,
@@ -77,6 +79,7 @@ impl CharacterDoor {
             selected: None,
             bones: true,
             mesh: false,
+            needles: false,
             on_clip: true,
             clip: ClipPoints::default(),
             opening: None,
@@ -374,6 +377,7 @@ impl CharacterDoor {
             }
             Command::Tracks => self.bones ^= true,
             Command::Mask => self.mesh ^= true,
+            Command::Overlaps => self.needles ^= true,
             Command::Paths => self.clip.paths ^= true,
             Command::Clip => self.on_clip ^= true,
             Command::RemoveStroke => self.unmark(around),

@@ -13,6 +13,7 @@ use crate::capture;
 use crate::character_door::CharacterDoor;
 use crate::filling::{Filling, Steps};
 use crate::moving::{Moving, one_frame};
+use crate::needles::Needles;
 use crate::notes::CharacterNotes;
 use crate::running::Step;
 use crate::solved::Solved;
@@ -28,6 +29,7 @@ pub(crate) struct Figure {
     pub(crate) bones: Vec<[u32; 2]>,
     /// The edges of its mesh, each once.
     pub(crate) edges: Vec<[u32; 2]>,
+    pub(crate) needles: Needles,
     pub(crate) size: Vec2,
 }
 
@@ -96,7 +98,8 @@ impl Filling for CharacterDoor {
                     .collect();
                 edges.sort_unstable();
                 edges.dedup();
-                self.figure = Some(Figure { of, character: Arc::new(character), joints, bones, edges, size });
+                let needles = Needles::of(&character, &joints, &bones)?;
+                self.figure = Some(Figure { of, character: Arc::new(character), joints, bones, edges, needles, size });
                 (self.still, self.moves) = (None, None);
             }
             Step::Still => self.still = Some(Moving::Character(Arc::new(job.take_take()?))),
@@ -126,7 +129,7 @@ impl Filling for CharacterDoor {
                     self.shop.playback.stop();
                 }
             }
-            Step::Bind | Step::Rebind => {}
+            Step::Propose | Step::Bind | Step::Rebind => {}
         }
         Ok(())
     }

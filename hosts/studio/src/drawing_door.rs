@@ -125,7 +125,7 @@ impl DrawingDoor {
         self.shop.show_export(ui, around);
     }
 
-    fn mark(&mut self, label: &str, around: &mut Around, change: impl FnOnce(&mut Marks)) {
+    pub(crate) fn mark(&mut self, label: &str, around: &mut Around, change: impl FnOnce(&mut Marks)) {
         let marked = self.shop.document.set_marks(label, change);
         around.notices.check(marked);
         self.selected = self.selected.filter(|point| *point < self.shop.document.marks.points.len());
@@ -274,7 +274,7 @@ impl DrawingDoor {
             // What was cancelled or went wrong is tried again.
             self.go_on(around);
         } else if self.shop.document.marks.points.len() < LEAST {
-            around.notices.failed(texts::MARK_HINT);
+            self.find_points(self.shop.playback.frame(), around);
         } else if self.sheet.is_none() {
             around.picker.ask(gui, Ask::Drawing);
         } else {

@@ -11,6 +11,7 @@ use crate::around::Around;
 use crate::drawing_door::{DrawingDoor, LEAST};
 use crate::filling::{Filling, Steps};
 use crate::held::{Sheet, held};
+use crate::marks::Marks;
 use crate::moving::{Moving, one_frame};
 use crate::running::{Purpose, Running, Step};
 use crate::solved::Solved;
@@ -49,6 +50,10 @@ impl Filling for DrawingDoor {
 
     fn take(&mut self, step: Step, job: &Job, of: Of, now: f64, around: &mut Around) -> Result<()> {
         match step {
+            Step::Propose => {
+                let found = Marks::parse(job.take_control_points()?.to_json()?.as_bytes());
+                self.mark(texts::EDIT_PROPOSE, around, |marks| marks.add(found));
+            }
             Step::Points => {
                 let motion = job.take_motion()?;
                 if let Some(points) = of.points {
@@ -133,7 +138,23 @@ impl DrawingDoor {
                 let binding = context.binding_from_json(&held.json)?;
                 context.start_sketch_take(&sheet.drawing, &binding, &[&solved.motion]).map(Some)
             }
-            Step::Rebind | Step::Character => Ok(None),
+            Step::Propose | Step::Rebind | Step::Character => Ok(None),
+        }
+    }
+
+    /// Finds points to mark on a frame.
+    pub(crate) fn find_points(&mut self, frame: u64, around: &mut Around) {
+        let Some((clip, _)) = &self.shop.document.clip else {
+            around.notices.failed(texts::MARK_HINT);
+            return;
+        };
+        if self.shop.running.is_some() {
+            around.notices.failed(texts::BUSY);
+            return;
+        }
+        let started = around.context.start_propose_points(clip, frame, 0);
+        if let Some(job) = around.notices.check(started) {
+            self.shop.running = Some(Running::new(job, Purpose::Step(Step::Propose)));
         }
     }
 

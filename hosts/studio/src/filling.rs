@@ -54,8 +54,7 @@ pub(crate) trait Filling {
         let wanted = self.wanted(around);
         let outdated = wanted.is_some() && self.steps().begun != wanted;
         if let Some(running) = &mut self.shop().running {
-            // What was asked for by hand goes on.
-            if outdated && matches!(running.purpose, Purpose::Step(step) if step != Step::Rebind) {
+            if outdated && matches!(running.purpose, Purpose::Step(step) if !step.is_asked_for()) {
                 running.give_up();
             }
             return;

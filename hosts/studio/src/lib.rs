@@ -42,6 +42,7 @@ mod looking;
 mod marks;
 mod methods;
 mod moving;
+mod needles;
 mod notes;
 mod notices;
 mod onion;

@@ -64,6 +64,18 @@ impl Marks {
         }
     }
 
+    /// Marks the points of `found` as well, but those that lie where something is marked already.
+    pub(crate) fn add(&mut self, found: Option<Self>) {
+        let near = 0.05 * (self.size.0 as f32).hypot(self.size.1 as f32);
+        let marked: Vec<Key> = self.points.iter().flat_map(|p| &p.keys).copied().collect();
+        for key in found.into_iter().flat_map(|found| found.points).flat_map(|point| point.keys) {
+            let on = |k: &Key| k.frame == key.frame && (k.at.0 - key.at.0).hypot(k.at.1 - key.at.1) < near;
+            if !marked.iter().any(on) {
+                self.put(self.points.len(), key.frame, key.at);
+            }
+        }
+    }
+
     /// Takes a point's mark on a frame away, and the point with its last.
     pub(crate) fn take(&mut self, point: usize, frame: u64) {
         if let Some(mark) = self.points.get_mut(point) {
@@ -113,6 +125,13 @@ mod tests {
         assert_eq!(marks.frames(), [0, 4]);
         let read = Marks::parse(&marks.bytes().unwrap_or_default());
         assert_eq!(read.as_ref(), Some(&marks));
+        let mut found = Marks::new((100, 50));
+        found.put(0, 0, (12.0, 47.0));
+        found.put(1, 0, (60.0, 20.0));
+        found.put(2, 0, (62.0, 20.0));
+        marks.add(Some(found));
+        assert_eq!(marks.points.len(), 4, "one was marked already");
+        marks.points.truncate(2);
         marks.take(1, 0);
         assert_eq!(marks.points.len(), 1, "a point without marks is gone");
         marks.put(5, 0, (1.0, 1.0));

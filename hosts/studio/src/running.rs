@@ -18,6 +18,8 @@ const SHORT: Duration = Duration::from_millis(400);
 /// A step that the machine fills in, of a character or a drawing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Step {
+    /// Finding points to mark, because a person asked for it.
+    Propose,
     /// Following the marked points.
     Points,
     /// Laying what moves on the drawing.
@@ -30,6 +32,13 @@ pub(crate) enum Step {
     Character,
     /// What was made, in motion.
     Move,
+}
+
+impl Step {
+    /// Whether a person asked for it, and it goes on whatever can be filled in meanwhile.
+    pub(crate) fn is_asked_for(self) -> bool {
+        matches!(self, Self::Propose | Self::Rebind)
+    }
 }
 
 /// What a job is for.

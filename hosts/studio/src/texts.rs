@@ -87,6 +87,7 @@ pub(crate) const EDIT_FOLLOWED: &str = ", followed";
 pub(crate) const EDIT_MOVE_KEY: &str = "moving a key frame";
 
 pub(crate) const EDIT_MARK: &str = "new point";
+pub(crate) const EDIT_PROPOSE: &str = "finding points";
 pub(crate) const EDIT_MOVE_POINT: &str = "moving a point";
 pub(crate) const EDIT_UNMARK: &str = "removing a mark";
 pub(crate) const EDIT_REMOVE_POINT: &str = "removing a point";
@@ -148,10 +149,10 @@ pub(crate) const FIT: &str = "Fit";
 
 // A drawing that lives.
 pub(crate) const MARK_HINT: &str =
-    "Click on what moves: head, back, tail, then each joint and foot. A dozen points make a good gallop.";
+    "Click on what moves: head, back, tail, then each joint and foot. Or let Next find some.";
 pub(crate) const MARK_FIRST: &str = "Mark at least three points on the clip, and they will be laid on the drawing.";
-pub(crate) const NEXT_MARK: &str = "Next: mark points";
-pub(crate) const NO_POINTS: &str = "Each click on the clip becomes a point here.";
+pub(crate) const NEXT_MARK: &str = "Next: find points";
+pub(crate) const NO_POINTS: &str = "Each click on the clip becomes a point here. Next finds some by itself.";
 pub(crate) const MORE_POINTS: &str = "Click for more. Where a point strays, drag it back on that frame.";
 pub(crate) const POINT_SELECTED: &str = "Drag it on the clip or on the drawing. Delete takes its mark off this frame.";
 pub(crate) const DRAWING: &str = "DRAWING";
@@ -337,6 +338,7 @@ pub(crate) const NEEDLES_ABOUT: &str = "Short straight pieces across each limb: 
 pub(crate) const RIGID: &str = "as rigid as possible";
 pub(crate) const RIGID_ABOUT: &str = "The whole drawing resists being bent and stretched";
 pub(crate) const MESH: &str = "Mesh";
+pub(crate) const NEEDLES_SHOWN: &str = "Needles";
 pub(crate) const FIT_MOVING: &str = "Fit what moves";
 pub(crate) const KIND_DEFORMER: &str = "deforms";
 pub(crate) const METHODS: &str = "How the creature is made";
@@ -390,7 +392,7 @@ pub(crate) const DO_STROKES: &str = "Show strokes";
 pub(crate) const DO_TRACKS: &str = "Show tracked limbs";
 pub(crate) const DO_PATHS: &str = "Show paths";
 pub(crate) const DO_MASK: &str = "Show the mask, or the mesh";
-pub(crate) const DO_OVERLAPS: &str = "Show which limb is in front";
+pub(crate) const DO_OVERLAPS: &str = "Show which limb is in front, or needles";
 pub(crate) const DO_CLIP: &str = "The clip of a character's motion, or its drawing";
 pub(crate) const DO_NEXT_STYLE: &str = "Next style of the creature";
 pub(crate) const DO_AS_FILMED: &str = "Creature as it was filmed";
@@ -487,6 +489,7 @@ pub(crate) fn unreadable(path: &Path, why: &std::io::Error) -> String {
 pub(crate) fn step(step: Step) -> &'static str {
     match step {
         Step::Points => "Following the points",
+        Step::Propose => "Finding points",
         Step::Bind | Step::Rebind => "Laying it on the drawing",
         Step::Still => "Reading the drawing",
         Step::Character => "Finding the skeleton",

@@ -43,6 +43,8 @@ const SETTLED: f32 = 0.001;
 /// The price of parting equal neighbours beside colours, the paper's, and the fixed point of capacities.
 const GAMMA: f32 = 50.0;
 const UNIT: f32 = 64.0;
+/// Places of what moves that say which piece of a cut is meant.
+const SAMPLES: usize = 500;
 /// Colours say no more than this, as a natural logarithm.
 const LARGEST_ODDS: f64 = 12.0;
 /// The radius that the figure is closed with, a share of the diagonal: at 0.18, as good as any for placing points, ground between
@@ -53,6 +55,8 @@ const FIGURE_CLOSING: f32 = 0.08;
 const FIGURE_SAYS: f32 = 1.5;
 const FIGURE_REACH: f32 = 0.06;
 const FIGURE_BOUND: f32 = 6.0;
+/// What moves is known with a rim of ground around it.
+const MOVING_REACH: f32 = 0.015;
 /// Where this share of what is looked at is surely background, that alone teaches it at first. Where the object fills the picture,
 /// pixels do that are farther from the figure than this share of the diagonal.
 const ENOUGH: f32 = 0.15;
@@ -89,14 +93,38 @@ pub fn object_mask(picture: &Picture, points: &[Vec2], paint: &[Paint], stage: S
         let problem = format!("{} of them lie in the picture, or all in one place", points.len());
         return Err(Error::invalid("control points", problem, "mark three points on the object, or draw its contour"));
     }
-    let easy = if paint.is_empty() { opaque(picture).or_else(|| before_even(picture)) } else { None };
+    let easy = if paint.is_empty() { plain_mask(picture) } else { None };
     let easy = easy.and_then(|mask| held(&mask, &points, 0.5));
     let mask = match easy {
         Some(mask) => Some(mask),
-        None => held(&cut(picture, &points, &figure, paint, stage)?, &points, 0.0),
+        None => held(
+            &cut(picture, &Hints { points: &points, figure: &figure, reach: FIGURE_REACH, paint }, stage)?,
+            &points,
+            0.0,
+        ),
     };
     let remedy = "paint over the object and its background, or draw its contour";
     mask.ok_or_else(|| Error::invalid("the object", "nothing is found at the points", remedy))
+}
+
+/// The object of which `moving`, a mask of the picture's size, is known to move: that itself, where colours tell nothing.
+///
+/// # Errors
+/// The work is cancelled.
+pub(crate) fn moving_object(picture: &Picture, moving: &Mask, stage: Stage<'_>) -> Result<Mask> {
+    stage.name("finding the object")?;
+    let figure = object_contour(moving);
+    let mask = cut(picture, &Hints { points: &[], figure: &figure, reach: MOVING_REACH, paint: &[] }, stage)?;
+    let width = moving.width();
+    let step = moving.count().div_ceil(SAMPLES).max(1);
+    let pixels = (0..width * moving.height()).map(|i| (i % width, i / width)).filter(|&(x, y)| moving.get(x, y));
+    let samples: Vec<Vec2> = pixels.step_by(step).map(|(x, y)| vec2(x as f32 + 0.5, y as f32 + 0.5)).collect();
+    Ok(held(&mask, &samples, 0.0).unwrap_or_else(|| moving.clone()))
+}
+
+/// What is opaque, or stands before an even background, where that is not nearly all: nothing is learnt for it.
+pub(crate) fn plain_mask(picture: &Picture) -> Option<Mask> {
+    opaque(picture).or_else(|| before_even(picture))
 }
 
 /// The outer contour of a mask's largest piece, in its pixels, turning from x to y; empty for an empty mask.
@@ -158,11 +186,25 @@ fn before_even(picture: &Picture) -> Option<Mask> {
     small(without_holes(&differs, usize::MAX))
 }
 
+/// What is known of an object, in clip pixels.
+struct Hints<'a> {
+    /// Places that are certain.
+    points: &'a [Vec2],
+    /// A contour about which it lies.
+    figure: &'a [Vec2],
+    /// The share of the diagonal of their box away from it at which the figure says nothing.
+    reach: f32,
+    /// What the user brushed over the picture.
+    paint: &'a [Paint],
+}
+
 /// The object as a minimum cut.
-fn cut(picture: &Picture, points: &[Vec2], figure: &[Vec2], paint: &[Paint], stage: Stage<'_>) -> Result<Mask> {
+fn cut(picture: &Picture, hints: &Hints<'_>, stage: Stage<'_>) -> Result<Mask> {
+    let &Hints { points, figure, reach: figure_reach, paint } = hints;
     let (width, height) = (picture.rgb.width() as usize, picture.rgb.height() as usize);
     let mut mask = Mask::new(width, height);
-    let Some((low, high)) = polygon::extent(points) else { return Ok(mask) };
+    let box_of = if points.is_empty() { figure } else { points };
+    let Some((low, high)) = polygon::extent(box_of) else { return Ok(mask) };
     let diagonal = low.distance(high);
     let scale = (WORKING / ((high - low).max_element() + 2.0 * (GROWN + AROUND) * diagonal)).min(1.0);
     let (across, down) =
@@ -230,7 +272,7 @@ fn cut(picture: &Picture, points: &[Vec2], figure: &[Vec2], paint: &[Paint], sta
                     Some(false) => -CERTAIN,
                     None => {
                         let says = object.log_density(colour(x, y)) - background.log_density(colour(x, y));
-                        let near = 1.0 - away.data()[i] / (FIGURE_REACH * diagonal);
+                        let near = 1.0 - away.data()[i] / (figure_reach * diagonal);
                         let near = (FIGURE_SAYS * near).max(-FIGURE_BOUND);
                         ((says.clamp(-LARGEST_ODDS, LARGEST_ODDS) as f32 + near) * UNIT) as i32
                     }

@@ -36,13 +36,13 @@ pub(super) struct Branch {
 
 /// The curve skeleton: branches between nodes.
 #[derive(Clone, Debug, Default)]
-pub(super) struct CurveSkeleton {
+pub(crate) struct CurveSkeleton {
     pub(super) branches: Vec<Branch>,
 }
 
 impl CurveSkeleton {
     /// The curve skeleton of `mask`, in its pixels.
-    pub(super) fn of(mask: &Mask, stage: Stage<'_>) -> Result<Self> {
+    pub(crate) fn of(mask: &Mask, stage: Stage<'_>) -> Result<Self> {
         let shrink = mask.width().max(mask.height()).div_ceil(WORKING).max(1);
         let (width, height) = (mask.width().div_ceil(shrink) + 2, mask.height().div_ceil(shrink) + 2);
         // One working pixel wide around, and in where any pixel of its square is: a limb of one pixel stays whole.
@@ -269,7 +269,7 @@ impl CurveSkeleton {
     }
 
     /// Joints at ends, where branches meet and where they bend; the widest place of each tree is its root.
-    pub(super) fn joints(&self) -> Result<Skeleton> {
+    pub(crate) fn joints(&self) -> Result<Skeleton> {
         let mut skeleton = Skeleton::default();
         let mut joint_of = std::collections::BTreeMap::new();
         let mut radius_of: Vec<f32> = Vec::new();

@@ -4,7 +4,7 @@
 //! [`Character`]: a silhouette between the pixels, a mesh that is finer at joints, a skeleton proposed on the curve
 //! skeleton, and a region of the mesh for each bone.
 
-mod curve_skeleton;
+pub(crate) mod curve_skeleton;
 mod cutout;
 mod deformed;
 mod draw;

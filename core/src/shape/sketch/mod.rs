@@ -19,6 +19,7 @@ mod motion_use;
 mod outline;
 mod placing;
 mod pressed;
+mod proposing;
 mod region;
 pub(crate) mod runs;
 mod skia;
@@ -41,5 +42,6 @@ pub use placing::{
     ControlPoint, ObjectShape, Placing, bind_automatically, control_points, most_telling_frame, place_points,
 };
 pub use pressed::outline as pressed_outline;
+pub use proposing::propose_points;
 pub use svg_in::SvgIn;
 pub use take::{SketchFrame, SketchTake};

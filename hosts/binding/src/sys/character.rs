@@ -57,6 +57,18 @@ pub(crate) fn character_triangles(handle: &Handle, character: mry_character) -> 
     })
 }
 
+pub(crate) fn character_vertices(handle: &Handle, character: mry_character) -> Result<Vec<mry_point>> {
+    sized_list(|points, capacity, count| {
+        call!(mry_character_read_vertices(handle, character, points, ptr::null_mut(), ptr::null_mut(), capacity, count))
+    })
+}
+
+pub(crate) fn character_vertex_bones(handle: &Handle, character: mry_character) -> Result<Vec<u32>> {
+    sized_list(|bones, capacity, count| {
+        call!(mry_character_read_vertices(handle, character, ptr::null_mut(), bones, ptr::null_mut(), capacity, count))
+    })
+}
+
 pub(crate) fn character_set_joints(handle: &Handle, character: mry_character, places: &[mry_point]) -> Result<()> {
     call!(mry_character_set_joints(handle, character, places.as_ptr(), places.len())).map(drop)
 }

@@ -2,7 +2,7 @@
 
 use marey_ffi::*;
 
-use super::{Handle, check, sized_text, str};
+use super::{Handle, check, sized_text, str, taken};
 use crate::error::Result;
 
 pub(crate) fn control_points_create(handle: &Handle, width: u32, height: u32) -> Result<mry_control_points> {
@@ -47,6 +47,16 @@ pub(crate) fn control_points_unmark(handle: &Handle, points: mry_control_points,
 
 pub(crate) fn control_points_validate(handle: &Handle, points: mry_control_points, clip: mry_clip) -> Result<()> {
     call!(mry_control_points_validate(handle, points, clip)).map(drop)
+}
+
+pub(crate) fn start_propose_points(handle: &Handle, clip: mry_clip, frame: u64, most: u32) -> Result<mry_job> {
+    let mut job = mry_job::default();
+    call!(mry_job_start_propose_points(handle, clip, frame, most, &mut job))?;
+    Ok(job)
+}
+
+pub(crate) fn take_control_points(handle: &Handle, job: mry_job) -> Result<mry_control_points> {
+    taken(|out| call!(mry_job_take_control_points(handle, job, out)))
 }
 
 pub(crate) fn start_point_track(

@@ -55,6 +55,29 @@ pub(crate) struct Track {
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 Example:
+  marey points bird.mp4 -o points.json
+  marey track bird.mp4 --points points.json -o motion.json
+
+The points lie on the ends of what moves, or is opaque, or stands before an even background, and where its limbs meet and
+bend. Correct them as you like: move, remove and rename them, and mark them on more frames.")]
+pub(crate) struct Points {
+    /// A video file or a folder of numbered images
+    #[arg(value_name = "CLIP")]
+    pub(crate) clip: PathBuf,
+    /// The frame to mark, from 0
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub(crate) frame: u64,
+    /// How many points at most
+    #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..=256))]
+    pub(crate) most: u32,
+    /// Where to write the points
+    #[arg(short, long, value_name = "points.json")]
+    pub(crate) output: PathBuf,
+}
+
+#[derive(Debug, clap::Args)]
+#[command(after_help = "\
+Example:
   marey segment horse.mp4 --strokes strokes.json -o masks
 
 Writes DIR/00000.png, ... (8 bits, 0 or 255, at the clip's size) and DIR/report.json.")]

@@ -16,7 +16,7 @@ use std::path::PathBuf;
 use clap::{Parser, Subcommand};
 
 pub(crate) use character::{Angles, Area, Carry, Character, Retarget, Rig, View};
-pub(crate) use clip::{Creature, Segment, Surface, Track};
+pub(crate) use clip::{Creature, Points, Segment, Surface, Track};
 pub(crate) use plugin::{PluginCheck, PluginCommand, PluginList, PluginNew, PluginProbe, Plugins};
 pub(crate) use pose::{Lengths, Pose};
 pub(crate) use render::{Adapter, Crowd, Look, Render, Style};
@@ -69,6 +69,8 @@ pub(crate) enum Command {
     Info(Info),
     /// Follow drawn limbs, marked joints or marked points over all frames
     Track(Track),
+    /// Propose points to follow on a frame of a clip
+    Points(Points),
     /// Cut the creature out of every frame
     Segment(Segment),
     /// Make the whole creature: limbs, masks, textured and animated model

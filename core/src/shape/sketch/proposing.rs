@@ -1,0 +1,158 @@
+//! Control points proposed on a frame of a clip: nobody needs to mark what can be seen.
+//!
+//! The object is what is opaque, what stands before an even background, or what moves, cut out by its colours. Its
+//! points are the ends of its curve skeleton, then where branches meet, then where they bend; where those are few, places of
+//! the object farthest from all others. They are numbered from "1" in that order.
+//!
+//! Known limits: as of what finds the object (`track::moving`, `segment::grab_cut`); limbs that lie over the body or
+//! side by side have no end of their own in the silhouette, and get no point.
+
+use glam::{Vec2, vec2};
+
+use crate::clip::Clip;
+use crate::error::{Error, Result};
+use crate::geometry::polygon;
+use crate::job::Stage;
+use crate::raster::distance::{NO_SITE, nearest_site};
+use crate::raster::morphology::{parts, without_holes};
+use crate::raster::{Grid, Mask};
+use crate::rig::{PointKey, PointMark, PointMarks};
+use crate::segment::grab_cut::{moving_object, plain_mask};
+use crate::shape::character::Skeleton;
+use crate::shape::character::curve_skeleton::CurveSkeleton;
+use crate::track::moving::moving;
+
+/// As many as a person marks (Su et al. 2018 report 4 to 10), and a few more for limbs.
+const DEFAULT_POINTS: usize = 10;
+/// Fewer say too little of a figure's motion.
+const LEAST: usize = 6;
+/// Points lie no closer than this share of the diagonal of the object's box.
+const APART: f32 = 0.1;
+
+/// Points for tracking what moves in `frame`, `most` of them or fewer (0 for 10).
+///
+/// # Errors
+/// There is no such frame, or it cannot be read; more than 256 points are asked for; nothing moves in it that can be told from its surroundings; or the
+/// caller cancelled.
+pub fn propose_points(clip: &Clip, frame: usize, most: usize, stage: Stage<'_>) -> Result<PointMarks> {
+    if most > PointMarks::MOST {
+        let (value, max) = (most as u64, PointMarks::MOST as u64);
+        return Err(Error::Limit { what: "the point count".into(), value, max, remedy: "ask for fewer".into() });
+    }
+    let info = clip.info();
+    let picture = clip.frame(frame)?;
+    let object = match plain_mask(&picture) {
+        Some(mask) => Some(mask),
+        None => match moving(clip, frame, stage.part(0.0, 0.5))? {
+            Some(moving) => Some(moving_object(&picture, &moving, stage.part(0.5, 0.9))?),
+            None => None,
+        },
+    };
+    let object = object.and_then(|mask| largest(&mask)).ok_or_else(|| {
+        let remedy = "mark points on it yourself, or choose another frame";
+        Error::invalid("the clip", format!("nothing is seen to move in frame {frame}"), remedy)
+    })?;
+    let skeleton = CurveSkeleton::of(&object, stage.part(0.9, 1.0))?.joints()?;
+    let most = if most == 0 { DEFAULT_POINTS } else { most };
+    let points = spread(&object, &skeleton, most);
+    let mark = |(i, at): (usize, Vec2)| PointMark { name: format!("{}", i + 1), keys: vec![PointKey { frame, at }] };
+    Ok(PointMarks { size: (info.width, info.height), points: points.into_iter().enumerate().map(mark).collect() })
+}
+
+/// The largest piece, without holes; `None` of nothing.
+fn largest(mask: &Mask) -> Option<Mask> {
+    let pieces = parts(mask);
+    let best = (0..pieces.areas.len()).max_by_key(|&i| pieces.areas[i])?;
+    let piece = Mask::from_fn(mask.width(), mask.height(), |x, y| pieces.labels.get(x, y) as usize == best + 1);
+    Some(without_holes(&piece, usize::MAX))
+}
+
+/// Places of the object: its skeleton's ends, hubs and bends, then what is farthest from those.
+fn spread(object: &Mask, skeleton: &Skeleton, most: usize) -> Vec<Vec2> {
+    let (width, height) = (object.width(), object.height());
+    let inside: Vec<(usize, usize)> =
+        (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).filter(|&(x, y)| object.get(x, y)).collect();
+    let centre = |&(x, y): &(usize, usize)| vec2(x as f32 + 0.5, y as f32 + 0.5);
+    let Some((low, high)) = polygon::extent(&inside.iter().map(centre).collect::<Vec<_>>()) else { return Vec::new() };
+    let apart = APART * low.distance(high);
+    let mut chosen: Vec<Vec2> = Vec::new();
+    let nearest = |chosen: &[Vec2], p: Vec2| chosen.iter().map(|q| q.distance(p)).fold(f32::INFINITY, f32::min);
+    let degree = |joint: usize| skeleton.bones.iter().flatten().filter(|j| **j == joint).count();
+    // Ends, then where branches meet, then where one bends.
+    let order = |joint: &usize| match degree(*joint) {
+        0 | 1 => 0,
+        2 => 2,
+        _ => 1,
+    };
+    let mut joints: Vec<usize> = (0..skeleton.joints.len()).collect();
+    joints.sort_by_key(order);
+    for joint in joints {
+        let at = skeleton.joints[joint].at;
+        if chosen.len() < most && nearest(&chosen, at) >= apart {
+            chosen.push(at);
+        }
+    }
+    let site = |i: usize| if object.get(i % width, i / width) { NO_SITE } else { i as u32 };
+    let sites = nearest_site(&Grid::from_vec(width, height, (0..width * height).map(site).collect()));
+    let depth = |at: &(usize, usize)| match sites.get(at.0, at.1) {
+        NO_SITE => f32::INFINITY,
+        site => centre(at).distance(vec2(site as f32 % width as f32, (site as usize / width) as f32) + 0.5),
+    };
+    while chosen.len() < LEAST.min(most) {
+        // Not on the rim, where the background is tracked as well.
+        let score = |at: &(usize, usize)| nearest(&chosen, centre(at)).min(4.0 * depth(at));
+        let Some(farthest) = inside.iter().max_by(|a, b| score(a).total_cmp(&score(b))) else { break };
+        if nearest(&chosen, centre(farthest)) < 0.5 * apart {
+            break;
+        }
+        chosen.push(centre(farthest));
+    }
+    chosen
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::error::Category;
+    use crate::geometry::polygon::nearest_on_segment;
+    use crate::job::Progress;
+    use image::{Rgb, RgbImage};
+
+    /// A cross of four bars on white paper, or the paper alone.
+    fn paper(cross: bool) -> Clip {
+        let ends = [vec2(20.0, 50.0), vec2(140.0, 50.0), vec2(80.0, 10.0), vec2(80.0, 110.0)];
+        let on = |p: Vec2| ends.iter().any(|end| nearest_on_segment(vec2(80.0, 50.0), *end, p).1.distance(p) < 6.0);
+        let pixel = |x: u32, y: u32| {
+            let on = cross && on(vec2(x as f32 + 0.5, y as f32 + 0.5));
+            Rgb([if on { 40 } else { 250 }; 3])
+        };
+        Clip::from_frames(vec![RgbImage::from_fn(160, 120, pixel); 3], 12.0).expect("frames")
+    }
+
+    #[test]
+    fn ends_come_first_then_where_they_meet() {
+        let marks = propose_points(&paper(true), 1, 0, Progress::new().whole()).expect("points");
+        marks.validate(Some(((160, 120), 3))).expect("valid");
+        let at: Vec<Vec2> = marks.points.iter().map(|p| p.key(1).expect("on that frame")).collect();
+        for end in [vec2(20.0, 50.0), vec2(140.0, 50.0), vec2(80.0, 10.0), vec2(80.0, 110.0)] {
+            assert!(at[..4].iter().any(|p| p.distance(end) < 8.0), "{end} {at:?}");
+        }
+        assert!(at[4].distance(vec2(80.0, 50.0)) < 6.0, "{at:?}");
+        assert!(at.len() >= LEAST && marks.points[0].name == "1");
+        let few = propose_points(&paper(true), 1, 3, Progress::new().whole()).expect("points");
+        assert_eq!(few.points[..], marks.points[..3]);
+    }
+
+    #[test]
+    fn where_nothing_is_to_be_seen_it_says_so() {
+        let refused = propose_points(&paper(false), 0, 0, Progress::new().whole()).expect_err("nothing");
+        assert!(refused.to_string().contains("nothing is seen to move in frame 0"), "{refused}");
+        assert!(propose_points(&paper(true), 3, 0, Progress::new().whole()).is_err());
+        assert!(propose_points(&paper(true), 0, 257, Progress::new().whole()).is_err());
+        let progress = Progress::new();
+        progress.cancel();
+        assert!(
+            propose_points(&paper(true), 0, 0, progress.whole()).is_err_and(|e| e.category() == Category::Cancelled)
+        );
+    }
+}
