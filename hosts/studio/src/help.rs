@@ -27,7 +27,7 @@ impl Help {
             ui.set_width(720.0_f32.min(ctx.content_rect().width() - 60.0));
             ui.heading(texts::SHORTCUTS);
             ui.add_space(theme::GAP);
-            ScrollArea::vertical().max_height(ctx.content_rect().height() - 220.0).show(ui, |ui| self.table(ui));
+            ScrollArea::vertical().max_height(ctx.content_rect().height() - 240.0).show(ui, |ui| self.table(ui));
             self.below(ui, chosen)
         });
         if *chosen != before {
@@ -42,11 +42,11 @@ impl Help {
                 // As many lines on the left as on the right.
                 let ui = &mut columns[usize::from(i == 2 || i == 3)];
                 widgets::section(ui, name);
-                let grid = Grid::new(*name).num_columns(2).min_col_width(110.0).min_row_height(20.0);
-                grid.spacing([8.0, 2.0]).show(ui, |ui| {
+                let grid = Grid::new(*name).num_columns(2).min_col_width(110.0).min_row_height(18.0);
+                grid.spacing([8.0, 0.0]).show(ui, |ui| {
                     for shortcut in *group {
                         let keys = shortcuts::keys(ui.ctx(), shortcut.command);
-                        let keys = keys.map_or(texts::NO_KEY.into(), |keys| ui.ctx().format_shortcut(&keys));
+                        let keys = keys.map_or(texts::NO_KEY.into(), |keys| shortcuts::shown(ui.ctx(), &keys));
                         let on = self.choosing.is_some_and(|(command, _)| command == shortcut.command);
                         let (palette, shown) = (Palette::of(ui), if on { texts::PRESS_KEYS } else { &keys });
                         let button = Button::new(RichText::new(shown).color(palette.accent)).frame_when_inactive(on);
@@ -73,7 +73,7 @@ impl Help {
                 widgets::remark(ui, texts::KEYS_HINT);
             }
             Some((command, what)) => {
-                let shown = |keys: &KeyboardShortcut| ui.ctx().format_shortcut(keys);
+                let shown = |keys: &KeyboardShortcut| shortcuts::shown(ui.ctx(), keys);
                 let taken = self.conflict.and_then(|keys| Some((keys, shortcuts::taken(ui.ctx(), keys, command)?)));
                 let line = match (taken, self.wrong) {
                     (Some((keys, (_, by))), _) => texts::keys_taken(&shown(&keys), by),

@@ -112,7 +112,8 @@ pub(crate) fn toolbar(ui: &mut Ui, panel: Rect, spacing: f32, show: impl FnOnce(
 /// What is see-through: squares of two shades.
 pub(crate) fn checkers(painter: &Painter, at: Rect, dark: bool) {
     const SIDE: f32 = 10.0;
-    let shades = if dark { [44, 56] } else { [236, 250] };
+    // Neither what is black nor what is white is lost on them.
+    let shades = if dark { [84, 98] } else { [214, 232] };
     let seen = at.intersect(painter.clip_rect());
     let painter = painter.with_clip_rect(seen);
     painter.rect_filled(at, 0.0, Color32::from_gray(shades[0]));

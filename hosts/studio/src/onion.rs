@@ -2,7 +2,7 @@
 //!
 //! It follows the limbs as they were tracked. Before they are, it shows what is drawn on the key frames before and after.
 
-use eframe::egui::{Color32, DragValue, Grid, Painter, Pos2, Shape, Stroke, Ui};
+use eframe::egui::{Color32, DragValue, Grid, Painter, Pos2, Sense, Shape, Stroke, Ui, vec2};
 use serde::{Deserialize, Serialize};
 
 use crate::document::Document;
@@ -79,8 +79,15 @@ impl Onion {
                 (texts::ONION_EVERY, &mut self.every, 1..=FARTHEST, None),
             ];
             for (text, value, range, tint) in rows {
-                let color = tint.unwrap_or(ui.visuals().text_color());
-                let label = ui.colored_label(color, text);
+                let label = ui
+                    .horizontal(|ui| {
+                        let (dot, _) = ui.allocate_exact_size(vec2(10.0, 10.0), Sense::hover());
+                        if let Some(tint) = tint {
+                            ui.painter().circle_filled(dot.center(), 5.0, tint);
+                        }
+                        ui.label(text)
+                    })
+                    .inner;
                 ui.add(DragValue::new(value).range(range).speed(0.05)).labelled_by(label.id);
                 ui.end_row();
             }

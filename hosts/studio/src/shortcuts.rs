@@ -231,9 +231,18 @@ pub(crate) fn offered(modifiers: Modifiers, key: Key) -> Result<KeyboardShortcut
     Ok(KeyboardShortcut::new(held, key))
 }
 
+/// Keys as a person reads them on their keyboard.
+pub(crate) fn shown(ctx: &Context, keys: &KeyboardShortcut) -> String {
+    let text = ctx.format_shortcut(keys);
+    let brackets = [(Key::OpenBracket, "["), (Key::CloseBracket, "]")];
+    let bracket = brackets.iter().find(|(key, _)| *key == keys.logical_key);
+    let head = bracket.and_then(|(key, sign)| Some((text.strip_suffix(key.name())?, sign)));
+    head.map(|(head, sign)| format!("{head}{sign}")).unwrap_or(text)
+}
+
 /// A text for a tooltip: what it does, and by which key.
 pub(crate) fn hint(ctx: &Context, text: &str, command: Command) -> String {
-    keys(ctx, command).map_or_else(|| text.to_owned(), |keys| texts::with_key(text, &ctx.format_shortcut(&keys)))
+    keys(ctx, command).map_or_else(|| text.to_owned(), |keys| texts::with_key(text, &shown(ctx, &keys)))
 }
 
 fn all() -> impl Iterator<Item = &'static Shortcut> {

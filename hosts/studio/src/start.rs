@@ -257,8 +257,8 @@ fn sample_card(ui: &mut Ui, sample: &Sample, picture: Option<&TextureHandle>) ->
     let image = Rect::from_min_size(inner.min, Vec2::new(inner.height() * 4.0 / 3.0, inner.height()));
     match picture {
         Some(texture) => {
-            // What is see-through has become black on its way.
-            painter.rect_filled(image, 5.0, Color32::BLACK);
+            // The paper of a drawing goes on beside it.
+            painter.rect_filled(image, 5.0, Color32::WHITE);
             let of = texture.size_vec2();
             let image = Rect::from_center_size(image.center(), of * (image.size() / of).min_elem());
             let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));

@@ -181,6 +181,9 @@ pub fn character(desk: &mut Desk, save: Save<'_>) {
     }
     desk.rest(800);
     save(desk, "character");
+    desk.harness.key_press(Key::Num5);
+    save(desk, "needles");
+    desk.harness.key_press(Key::Num5);
     desk.click("Export…");
     desk.rest(1200);
     save(desk, "character-export");
@@ -232,25 +235,14 @@ pub fn character(desk: &mut Desk, save: Save<'_>) {
 }
 
 pub fn drawing(desk: &mut Desk, save: Save<'_>) {
-    // While points are marked, without a drawing yet.
+    // Points that were found, without a drawing yet.
     let clip = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../data/animals/kangaroo-hop.webp");
     desk.harness.state_mut().open_for_drawing(&clip);
     desk.wait_open();
     desk.rest(1500);
     save(desk, "unmarked");
-    for at in [
-        (22.0, 180.0),
-        (148.0, 58.0),
-        (280.0, 128.0),
-        (226.0, 312.0),
-        (370.0, 330.0),
-        (286.0, 442.0),
-        (425.0, 290.0),
-        (500.0, 334.0),
-    ] {
-        let at = desk.open().on_screen(at);
-        desk.click_at(at);
-    }
+    desk.click("Next: find points");
+    desk.wait("points", |s| s.open().is_some_and(|o| o.marks().len() > 2));
     desk.wait("the points", |s| s.open().is_some_and(|o| !o.is_busy()));
     desk.rest(800);
     save(desk, "marks");
