@@ -414,14 +414,6 @@ impl Document {
         })
     }
 
-    /// Marks points otherwise, one step of undo.
-    pub(crate) fn set_marks(&mut self, label: &str, change: impl FnOnce(&mut Marks)) -> Result<()> {
-        let mut marks = self.marks.clone();
-        change(&mut marks);
-        let bytes = marks.bytes();
-        self.set_parts(label, &[(Part::Points, bytes.as_deref())])
-    }
-
     /// Takes in where the marked points go; with what is worth correcting, by name and frame.
     pub(crate) fn take_points(&mut self, motion: Option<&Motion>, next: &[(String, u64, f32)]) -> Result<()> {
         self.tracked = None;

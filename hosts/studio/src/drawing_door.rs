@@ -5,8 +5,8 @@
 use std::path::Path;
 
 use eframe::egui::{
-    Align, CentralPanel, ComboBox, Context as Gui, Frame, Layout, Margin, Panel, Pos2, ScrollArea, Sense, Slider, Ui,
-    vec2,
+    Align, CentralPanel, Checkbox, ComboBox, Context as Gui, Frame, Layout, Margin, Panel, Pos2, ScrollArea, Sense,
+    Slider, Ui, vec2,
 };
 use marey_binding::{MotionUse, Part};
 
@@ -168,6 +168,11 @@ impl DrawingDoor {
         if count > 0 {
             widgets::remark(ui, if self.selected.is_some() { texts::POINT_SELECTED } else { texts::MORE_POINTS });
         }
+        if let Some(point) = self.selected
+            && self.held.is_some()
+        {
+            self.leave_off(ui, point, around);
+        }
         ui.add_space(theme::GAP);
         ui.separator();
         self.choose_drawing(ui, around);
@@ -175,6 +180,20 @@ impl DrawingDoor {
             ui.add_space(theme::GAP);
             ui.separator();
             self.correct(ui, frame, around);
+        }
+    }
+
+    /// Whether the point holds the drawing; at least as many as are needed do.
+    fn leave_off(&mut self, ui: &mut Ui, point: usize, around: &mut Around) {
+        let document = &mut self.shop.document;
+        let Some(name) = document.marks.points.get(point).map(|p| p.name.clone()) else { return };
+        let mut on = document.is_on_drawing(&name);
+        let others = document.marks.points.iter().filter(|p| p.name != name && document.is_on_drawing(&p.name)).count();
+        let check = ui.add_enabled(!on || others >= LEAST, Checkbox::new(&mut on, texts::ON_DRAWING));
+        if check.on_hover_text(texts::ON_DRAWING_HINT).changed() {
+            let set = document.set_on_drawing(&name, on);
+            around.notices.check(set);
+            self.go_on(around);
         }
     }
 

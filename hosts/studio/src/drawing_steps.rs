@@ -209,7 +209,8 @@ impl DrawingDoor {
         let is_of_these = |of: &Of| of.points.as_ref() == Some(&solved.of) && of.drawing.as_ref() == Some(&sheet.of);
         let proposed = self.proposed.as_ref().filter(|p| is_of_these(&p.0)).map(|p| &p.1);
         let said = self.shop.document.text(Part::Binding);
-        let held = held(&around.context, sheet, &solved.motion, said, proposed.map(String::as_str));
+        let is_on = |point: &str| self.shop.document.is_on_drawing(point);
+        let held = held(&around.context, sheet, &solved.motion, (said, proposed.map(String::as_str)), is_on);
         // Without an answer there is something to be proposed yet.
         self.held = around.notices.check(held).flatten();
     }

@@ -33,13 +33,13 @@ impl Sheet {
 }
 
 /// What a person said of how a drawing is held, with the machine's proposal for points that were marked since; none where
-/// there is no proposal for them yet.
+/// there is no proposal for them yet. Points that a person left off the drawing do not hold it.
 pub(crate) fn held(
     context: &Context,
     sheet: &Sheet,
     motion: &Motion,
-    said: Option<&str>,
-    proposed: Option<&str>,
+    (said, proposed): (Option<&str>, Option<&str>),
+    is_on: impl Fn(&str) -> bool,
 ) -> Result<Option<Held>> {
     let tracks = motion.info()?.tracks;
     let read = |json: Option<&str>| json.map(|json| context.binding_from_json(json)).transpose();
@@ -47,13 +47,13 @@ pub(crate) fn held(
     let Some(binding) = said.as_ref().or(proposed.as_ref()) else { return Ok(None) };
     let there = binding.points()?;
     let is_there = |track: &String| there.iter().any(|p| p.track == *track);
-    if !tracks.iter().all(is_there) && said.is_some() {
+    if !tracks.iter().filter(|track| is_on(track)).all(is_there) && said.is_some() {
         let Some(proposed) = &proposed else { return Ok(None) };
         for point in proposed.points()?.iter().filter(|p| !is_there(&p.track)) {
             binding.set_point("", &point.track, point.index, point.at, "")?;
         }
     }
-    for gone in there.iter().filter(|p| !tracks.contains(&p.track)) {
+    for gone in binding.points()?.iter().filter(|p| !(tracks.contains(&p.track) && is_on(&p.track))) {
         binding.remove_point("", &gone.track, gone.index)?;
     }
     binding.validate(&sheet.drawing)?;

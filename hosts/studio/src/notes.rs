@@ -7,6 +7,7 @@ use marey_binding::{Part, Result};
 use serde::{Deserialize, Serialize};
 
 use crate::document::{Document, Door};
+use crate::marks::Marks;
 use crate::solved::Stamp;
 use crate::texts;
 use crate::timing::Timing;
@@ -18,6 +19,9 @@ pub(crate) struct Notes {
     pub(crate) door: Door,
     pub(crate) character: CharacterNotes,
     pub(crate) timing: Timing,
+    /// Points of the clip that do not hold the drawing, by name.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub(crate) left_off: Vec<String>,
     /// On which picture a character's joints are those that are marked on the clip.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) marked_for: Option<u64>,
@@ -84,6 +88,34 @@ impl Document {
 
     fn set_notes(&mut self, label: &str, notes: &Notes) -> Result<()> {
         self.set_parts(label, &[(Part::Notes, Some(&notes.bytes()))])
+    }
+
+    /// Whether a point of the clip holds the drawing.
+    pub(crate) fn is_on_drawing(&self, point: &str) -> bool {
+        !self.notes.left_off.iter().any(|name| name == point)
+    }
+
+    /// Lets a point hold the drawing or not, one step of undo.
+    pub(crate) fn set_on_drawing(&mut self, point: &str, on: bool) -> Result<()> {
+        let mut left_off = self.notes.left_off.clone();
+        left_off.retain(|name| name != point);
+        if !on {
+            left_off.push(point.to_owned());
+        }
+        self.set_notes(texts::EDIT_ON_DRAWING, &Notes { left_off, ..self.notes.clone() })
+    }
+
+    /// Marks points otherwise, one step of undo. A point that is no more is not left off either: its name may be given again.
+    pub(crate) fn set_marks(&mut self, label: &str, change: impl FnOnce(&mut Marks)) -> Result<()> {
+        let mut marks = self.marks.clone();
+        change(&mut marks);
+        let (bytes, mut notes) = (marks.bytes(), self.notes.clone());
+        notes.left_off.retain(|name| marks.points.iter().any(|p| p.name == *name));
+        let points = (Part::Points, bytes.as_deref());
+        if notes == self.notes {
+            return self.set_parts(label, &[points]);
+        }
+        self.set_parts(label, &[points, (Part::Notes, Some(&notes.bytes()))])
     }
 
     /// For which picture of a character joints are marked, by its fingerprint.

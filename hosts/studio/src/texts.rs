@@ -87,6 +87,7 @@ pub(crate) const EDIT_FOLLOWED: &str = ", followed";
 pub(crate) const EDIT_MOVE_KEY: &str = "moving a key frame";
 
 pub(crate) const EDIT_MARK: &str = "new point";
+pub(crate) const EDIT_ON_DRAWING: &str = "which points hold the drawing";
 pub(crate) const EDIT_PROPOSE: &str = "finding points";
 pub(crate) const EDIT_MOVE_POINT: &str = "moving a point";
 pub(crate) const EDIT_UNMARK: &str = "removing a mark";
@@ -155,6 +156,8 @@ pub(crate) const NEXT_MARK: &str = "Next: find points";
 pub(crate) const NO_POINTS: &str = "Each click on the clip becomes a point here. Next finds some by itself.";
 pub(crate) const MORE_POINTS: &str = "Click for more. Where a point strays, drag it back on that frame.";
 pub(crate) const POINT_SELECTED: &str = "Drag it on the clip or on the drawing. Delete takes its mark off this frame.";
+pub(crate) const ON_DRAWING: &str = "It holds the drawing";
+pub(crate) const ON_DRAWING_HINT: &str = "Off where the drawing has no such place, as a far leg that was not drawn.";
 pub(crate) const DRAWING: &str = "DRAWING";
 pub(crate) const CHOOSE_DRAWING: &str = "From an SVG file…";
 pub(crate) const CHOOSE_A_DRAWING: &str = "Choose a drawing…";

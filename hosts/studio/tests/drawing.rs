@@ -83,6 +83,16 @@ fn a_clip_moves_a_drawing_and_it_is_exported() {
     settle(&mut desk);
     assert_eq!(desk.open().handles(), before, "one step");
 
+    // A point that the drawing has no place for is left off it, and put back: a step each.
+    assert_eq!(desk.open().selected(), Some(1));
+    desk.click("It holds the drawing");
+    settle(&mut desk);
+    assert_eq!(desk.open().handles().iter().map(|h| h.0).collect::<Vec<_>>(), [0, 2, 3]);
+    assert_eq!(desk.open().marks().len(), 4, "it is followed still");
+    desk.keys(CTRL, Key::Z);
+    settle(&mut desk);
+    assert_eq!(desk.open().handles(), before, "one step");
+
     desk.click("Export…");
     desk.click("Animated SVG");
     desk.click("Export");
