@@ -7974,14 +7974,14 @@ mry_status mry_motion_get_capture_report(mry_context *context,
  */
 
 /**
- * Starts looking for points to follow. Gives control points, each with one key, on this frame, named "1", "2", ...
+ * Starts looking for points to follow. Gives control points, each with one key, all on one frame, named "1", "2", ...
  *
- * @param context  The context.
- * @param clip     The clip.
- * @param frame    The frame.
- * @param most     How many points at most, up to 256; 0 for 10.
- * @param out_job  The job. It ends with MRY_E_INPUT where nothing is seen to move.
- * @param err      Detail of a failure, or NULL.
+ * @param context         The context.
+ * @param clip            The clip.
+ * @param frame_from_one  The frame, counted from 1; 0 for the one of a few that shows most ends.
+ * @param most            How many points at most, up to 256; 0 for 12.
+ * @param out_job         The job. It ends with MRY_E_INPUT where nothing is seen to move.
+ * @param err             Detail of a failure, or NULL.
  * @return MRY_OK; MRY_E_BUSY.
  * Lifetime: until mry_job_destroy or the end of the context.
  * Thread: [any-thread]. Since 0.1.
@@ -7989,7 +7989,7 @@ mry_status mry_motion_get_capture_report(mry_context *context,
 MRY_API
 mry_status mry_job_start_propose_points(mry_context *context,
                                         mry_clip clip,
-                                        uint64_t frame,
+                                        uint64_t frame_from_one,
                                         uint32_t most,
                                         mry_job *out_job,
                                         mry_error *err);
@@ -7997,12 +7997,12 @@ mry_status mry_job_start_propose_points(mry_context *context,
 /**
  * Looks for points to follow, and returns when it is done. Work that was started before comes first.
  *
- * @param context     The context.
- * @param clip        The clip.
- * @param frame       The frame.
- * @param most        How many points at most, up to 256; 0 for 10.
- * @param out_points  The points, valid.
- * @param err         Detail of a failure, or NULL.
+ * @param context         The context.
+ * @param clip            The clip.
+ * @param frame_from_one  The frame, counted from 1; 0 for the one of a few that shows most ends.
+ * @param most            How many points at most, up to 256; 0 for 12.
+ * @param out_points      The points, valid.
+ * @param err             Detail of a failure, or NULL.
  * @return MRY_OK; what mry_job_start_propose_points and mry_job_wait return.
  * Lifetime: until mry_control_points_destroy or the end of the context.
  * Thread: [outside-callbacks]. Since 0.1.
@@ -8010,7 +8010,7 @@ mry_status mry_job_start_propose_points(mry_context *context,
 MRY_API
 mry_status mry_run_propose_points(mry_context *context,
                                   mry_clip clip,
-                                  uint64_t frame,
+                                  uint64_t frame_from_one,
                                   uint32_t most,
                                   mry_control_points *out_points,
                                   mry_error *err);

@@ -2086,10 +2086,11 @@ public:
     return make<job, mry_job>(
       [&](mry_job *id, mry_error *err) { return mry_job_start_capture(get(), &desc, id, err); });
   }
-  /** Starts looking for points to follow on a frame of the clip, `most` at most; 0 for 10. */
-  result<job> start_propose_points(const clip &clip, std::uint64_t frame, std::uint32_t most = 0) const {
+  /** Starts looking for points to follow on a frame of the clip, counted from 1, or 0 for the one of a few that shows most
+   *  ends; `most` at most, 0 for 12. */
+  result<job> start_propose_points(const clip &clip, std::uint64_t frame_from_one = 0, std::uint32_t most = 0) const {
     return make<job, mry_job>([&](mry_job *id, mry_error *err) {
-      return mry_job_start_propose_points(get(), clip.id(), frame, most, id, err);
+      return mry_job_start_propose_points(get(), clip.id(), frame_from_one, most, id, err);
     });
   }
   /** Starts tracking control points through the clip. With `keep`, what was read and solved stays in memory until the clip is

@@ -73,7 +73,7 @@ pub fn find_cycle(motion: &Motion) -> Result<GaitCycle> {
     motion.checked(1)?;
     let none = |why: String| {
         let remedy =
-            "give one that shows a stride and a quarter at least, or say yourself where the loop begins and ends";
+            "give one that shows a stride and an eighth at least, or say yourself where the loop begins and ends";
         Error::invalid("cycle of the motion", why, remedy)
     };
     let left = |lag: usize| COMPARED.0.max((COMPARED.1 * lag as f64).ceil() as usize);

@@ -27,9 +27,11 @@ impl Context {
         Ok(ControlPoints { id: sys::control_points_from_json(&self.0, json)?, context: self.clone() })
     }
 
-    /// Starts looking for points to follow on a frame, `most` at most; 0 for the default.
-    pub fn start_propose_points(&self, clip: &Clip, frame: u64, most: u32) -> Result<Job> {
-        Ok(Job { id: sys::start_propose_points(&self.0, clip.id, frame, most)?, context: self.clone() })
+    /// Starts looking for points to follow on a frame, or on the one of a few that shows most ends; `most` at most, 0 for the
+    /// default.
+    pub fn start_propose_points(&self, clip: &Clip, frame: Option<u64>, most: u32) -> Result<Job> {
+        let frame_from_one = frame.map_or(0, |frame| frame.saturating_add(1));
+        Ok(Job { id: sys::start_propose_points(&self.0, clip.id, frame_from_one, most)?, context: self.clone() })
     }
 
     /// Starts tracking points. With `keep`, what was read and solved stays in memory until the clip is closed, and the

@@ -271,6 +271,15 @@ fn points_are_found_on_what_moves_and_followed() {
     report(&["track", &clip, "--points", &points, "-o", &motion]);
     assert!(std::fs::read_to_string(&motion).unwrap().contains("marey-motion"));
 
+    // Left to itself it takes a frame on which the legs are apart. What is read is never written over.
+    let said = report(&["points", &clip, "-o", &points]);
+    assert!(said["points"].as_u64() >= Some(8) && said["frame"].as_u64() < Some(60), "{said}");
+    let marks = std::fs::read(&points).unwrap();
+    let refused = fails(&["track", &clip, "--points", &points, "-o", &points], 2);
+    assert!(refused.contains("is read, and would be lost"), "{refused}");
+    fails(&["track", &clip, &format!("--points={points}"), "--output", &points], 2);
+    assert_eq!(std::fs::read(&points).unwrap(), marks);
+
     let still = desk.path("still");
     std::fs::create_dir(&still).unwrap();
     for frame in 0..3 {
@@ -279,5 +288,5 @@ fn points_are_found_on_what_moves_and_followed() {
             .unwrap();
     }
     let refused = fails(&["points", &still, "-o", &points], 3);
-    assert!(refused.contains("nothing is seen to move in frame 0"), "{refused}");
+    assert!(refused.contains("nothing is seen to move in it"), "{refused}");
 }

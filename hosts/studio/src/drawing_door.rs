@@ -293,7 +293,7 @@ impl DrawingDoor {
             // What was cancelled or went wrong is tried again.
             self.go_on(around);
         } else if self.shop.document.marks.points.len() < LEAST {
-            self.find_points(self.shop.playback.frame(), around);
+            self.find_points(around);
         } else if self.sheet.is_none() {
             around.picker.ask(gui, Ask::Drawing);
         } else {

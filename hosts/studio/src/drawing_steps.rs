@@ -52,6 +52,10 @@ impl Filling for DrawingDoor {
         match step {
             Step::Propose => {
                 let found = Marks::parse(job.take_control_points()?.to_json()?.as_bytes());
+                if let Some(frame) = found.as_ref().and_then(|found| found.frames().first().copied()) {
+                    self.shop.playback.stop();
+                    self.shop.playback.seek(frame, now);
+                }
                 self.mark(texts::EDIT_PROPOSE, around, |marks| marks.add(found));
             }
             Step::Points => {
@@ -142,8 +146,10 @@ impl DrawingDoor {
         }
     }
 
-    /// Finds points to mark on a frame.
-    pub(crate) fn find_points(&mut self, frame: u64, around: &mut Around) {
+    /// Finds points to mark: on the frame that is shown where something is marked or somebody went there, else where most is seen.
+    pub(crate) fn find_points(&mut self, around: &mut Around) {
+        let shown = self.shop.playback.frame();
+        let frame = (shown > 0 || !self.shop.document.marks.points.is_empty()).then_some(shown);
         let Some((clip, _)) = &self.shop.document.clip else {
             around.notices.failed(texts::MARK_HINT);
             return;

@@ -49,9 +49,9 @@ pub(crate) fn control_points_validate(handle: &Handle, points: mry_control_point
     call!(mry_control_points_validate(handle, points, clip)).map(drop)
 }
 
-pub(crate) fn start_propose_points(handle: &Handle, clip: mry_clip, frame: u64, most: u32) -> Result<mry_job> {
+pub(crate) fn start_propose_points(handle: &Handle, clip: mry_clip, frame_from_one: u64, most: u32) -> Result<mry_job> {
     let mut job = mry_job::default();
-    call!(mry_job_start_propose_points(handle, clip, frame, most, &mut job))?;
+    call!(mry_job_start_propose_points(handle, clip, frame_from_one, most, &mut job))?;
     Ok(job)
 }
 

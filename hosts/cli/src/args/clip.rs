@@ -28,19 +28,21 @@ Examples:
   marey track bird.mp4 --points points.json -o motion.json
 
 joints.json marks each joint as a small rectangle on one frame, and names the bones between them; more rectangles of a
-joint on other frames are corrections. points.json marks control points, each on one frame or more.")]
+joint on other frames are corrections. points.json marks control points, each on one frame or more; `marey points` proposes
+them.")]
+#[command(group = clap::ArgGroup::new("marks").required(true).args(["strokes", "joints", "points"]))]
 pub(crate) struct Track {
     /// A video file or a folder of numbered images
     #[arg(value_name = "CLIP")]
     pub(crate) clip: PathBuf,
     /// The drawn limbs (strokes.json)
-    #[arg(long, value_name = "S.json", required_unless_present_any = ["joints", "points"])]
+    #[arg(long, value_name = "S.json")]
     pub(crate) strokes: Option<PathBuf>,
     /// The marked joints of a character (joints.json), in place of limbs
-    #[arg(long, value_name = "J.json", conflicts_with_all = ["strokes", "tracker", "plugin", "set"])]
+    #[arg(long, value_name = "J.json", conflicts_with_all = ["tracker", "plugin", "set"])]
     pub(crate) joints: Option<PathBuf>,
     /// The marked control points (points.json), in place of limbs
-    #[arg(long, value_name = "P.json", conflicts_with_all = ["strokes", "joints", "tracker", "plugin", "set"])]
+    #[arg(long, value_name = "P.json", conflicts_with_all = ["tracker", "plugin", "set"])]
     pub(crate) points: Option<PathBuf>,
     /// Who follows the limbs: space-time, paper, or a plugin's id [default: the best]
     #[arg(long, value_name = "ID", default_value = "", hide_default_value = true)]
@@ -64,11 +66,11 @@ pub(crate) struct Points {
     /// A video file or a folder of numbered images
     #[arg(value_name = "CLIP")]
     pub(crate) clip: PathBuf,
-    /// The frame to mark, from 0
-    #[arg(long, value_name = "N", default_value_t = 0)]
-    pub(crate) frame: u64,
+    /// The frame to mark, from 0 [default: the one of a few that shows most ends]
+    #[arg(long, value_name = "N")]
+    pub(crate) frame: Option<u64>,
     /// How many points at most
-    #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..=256))]
+    #[arg(long, value_name = "N", default_value_t = 12, value_parser = clap::value_parser!(u32).range(1..=256))]
     pub(crate) most: u32,
     /// Where to write the points
     #[arg(short, long, value_name = "points.json")]

@@ -127,9 +127,9 @@ pub(crate) struct Info {
     after_help = "Examples:\n  marey demo -o camel\n  marey demo --character -o child\n  marey demo --sketch -o horse"
 )]
 pub(crate) struct Demo {
-    /// The folder to write
-    #[arg(short, long, value_name = "DIR", default_value = "marey-demo")]
-    pub(crate) output: PathBuf,
+    /// The folder to write [default: marey-demo, marey-demo-character or marey-demo-sketch]
+    #[arg(short, long, value_name = "DIR")]
+    pub(crate) output: Option<PathBuf>,
     /// Move a bundled drawing by key poses instead
     #[arg(long, conflicts_with = "sketch")]
     pub(crate) character: bool,

@@ -29,7 +29,13 @@ const SKETCH: [(&str, &[u8]); 4] = [
 ];
 
 pub(crate) fn demo(session: &Session, args: &Demo) -> Result<(), Failure> {
-    let folder = &args.output;
+    // What one demo writes is read by the commands that it tells of: each has a folder of its own.
+    let usual = match (args.character, args.sketch) {
+        (true, _) => "marey-demo-character",
+        (_, true) => "marey-demo-sketch",
+        _ => "marey-demo",
+    };
+    let folder = args.output.as_deref().unwrap_or(Path::new(usual));
     if args.character {
         return drawing(session, folder);
     }

@@ -109,10 +109,14 @@ fn utf8(path: &Path) -> Result<&str, Failure> {
     path.to_str().ok_or_else(|| Failure::new(BAD_USE, format!("{}: the path is not UTF-8; rename it", path.display())))
 }
 
-/// Refuses, before long work, a file that could not be written after it.
+/// Refuses, before long work, a file that could not be written after it, or that is one of those that are read.
 fn check_file(path: &Path) -> Result<(), Failure> {
     if path.is_dir() {
         return Err(Failure::new(BAD_INPUT, format!("{}: is a folder; give the name of a file", path.display())));
+    }
+    if is_read(path) {
+        let problem = format!("{}: is read, and would be lost; give the output another name", path.display());
+        return Err(Failure::new(BAD_USE, problem));
     }
     match path.parent() {
         Some(folder) if !folder.as_os_str().is_empty() && !folder.is_dir() => {
@@ -120,6 +124,20 @@ fn check_file(path: &Path) -> Result<(), Failure> {
         }
         _ => Ok(()),
     }
+}
+
+/// Whether what was typed names this file for anything but to be written.
+fn is_read(output: &Path) -> bool {
+    const WRITTEN: [&str; 6] = ["-o", "--output", "--preview", "--keep-bind", "--keep-map", "--keep-motion"];
+    let Ok(output) = output.canonicalize() else { return false };
+    let words: Vec<String> = std::env::args_os().map(|word| word.to_string_lossy().into_owned()).collect();
+    words.windows(2).any(|pair| {
+        let (option, file) = match pair[1].split_once('=') {
+            Some((option, file)) if option.starts_with("--") => (option, file),
+            _ => (&*pair[0], &*pair[1]),
+        };
+        !WRITTEN.contains(&option) && Path::new(file).canonicalize().is_ok_and(|file| file == output)
+    })
 }
 
 /// The text of a `kind` file, for a map or poses that the library reads as text; none where no file was given.

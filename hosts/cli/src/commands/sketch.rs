@@ -103,17 +103,22 @@ fn output_for(drawing: &Path, args: &args::Sketch) -> Result<PathBuf, Failure> {
     if args.drawings.len() == 1 {
         return Ok(args.output.clone());
     }
-    std::fs::create_dir_all(&args.output)
-        .map_err(|e| Failure::new(BAD_INPUT, format!("{}: is no folder to write into: {e}", args.output.display())))?;
     let stem = drawing.file_stem().unwrap_or_default().to_string_lossy();
     let ending = match args.format.as_deref() {
-        None => return Err(Failure::new(BAD_USE, "several drawings need --format")),
+        None => {
+            return Err(Failure::new(
+                BAD_USE,
+                "several drawings need --format: svg, lottie, gif, apng, webp, mp4, mp4-alpha, png-dir or sprite-sheet",
+            ));
+        }
         Some("lottie") => ".json",
         Some("png-dir" | "sprite-sheet") => "",
         Some("apng") => ".png",
         Some("mp4-alpha") => ".mp4",
         Some(other) => &format!(".{other}"),
     };
+    std::fs::create_dir_all(&args.output)
+        .map_err(|e| Failure::new(BAD_INPUT, format!("{}: is no folder to write into: {e}", args.output.display())))?;
     Ok(args.output.join(format!("{stem}{ending}")))
 }
 
