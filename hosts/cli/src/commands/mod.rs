@@ -126,18 +126,17 @@ fn check_file(path: &Path) -> Result<(), Failure> {
     }
 }
 
-/// Whether what was typed names this file for anything but to be written.
+/// Whether what was typed names this file twice: once to be written, and once to be read.
 fn is_read(output: &Path) -> bool {
-    const WRITTEN: [&str; 6] = ["-o", "--output", "--preview", "--keep-bind", "--keep-map", "--keep-motion"];
     let Ok(output) = output.canonicalize() else { return false };
-    let words: Vec<String> = std::env::args_os().map(|word| word.to_string_lossy().into_owned()).collect();
-    words.windows(2).any(|pair| {
-        let (option, file) = match pair[1].split_once('=') {
-            Some((option, file)) if option.starts_with("--") => (option, file),
-            _ => (&*pair[0], &*pair[1]),
-        };
-        !WRITTEN.contains(&option) && Path::new(file).canonicalize().is_ok_and(|file| file == output)
-    })
+    let is_output = |file: &str| Path::new(file).canonicalize().is_ok_and(|file| file == output);
+    let words = std::env::args_os().skip(2).map(|word| word.to_string_lossy().into_owned());
+    // `FILE`, `--option=FILE`, `-oFILE`
+    let names = |word: &String| {
+        let parts = [Some(&**word), word.split_once('=').map(|parts| parts.1), word.strip_prefix("-o")];
+        parts.into_iter().flatten().any(is_output)
+    };
+    words.filter(names).count() > 1
 }
 
 /// The text of a `kind` file, for a map or poses that the library reads as text; none where no file was given.
