@@ -119,11 +119,6 @@ pub fn complete(
     if moves(&loose) {
         return made(loose, MadeFrom::Names);
     }
-    // A few names that hold no bone between them still say what hangs on what.
-    let beside = completed(motion, &skeleton, loose, reference);
-    if moves(&beside) {
-        return made(beside, MadeFrom::Names);
-    }
     let places = by_likeness(motion, &skeleton, reference);
     if moves(&places) { made(places, MadeFrom::Likeness) } else { Err(unlike(motion, &skeleton)) }
 }
