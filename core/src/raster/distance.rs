@@ -3,12 +3,28 @@
 //! Lower envelope of parabolas, columns first, then rows (Felzenszwalb and Huttenlocher 2012, "Distance Transforms of
 //! Sampled Functions"), carrying which site a distance belongs to. Distances are between pixel centres.
 
-use super::Grid;
+use super::{Grid, Mask};
 
 /// No site.
 pub(crate) const NO_SITE: u32 = u32::MAX;
 /// Larger than any squared distance in an image, small enough to add without loss.
 const FAR: f64 = 1e12;
+
+/// How far every pixel of `mask` is from the nearest one that is `inside` or not; infinite where there is none.
+pub(crate) fn distance_to(mask: &Mask, inside: bool) -> Grid<f32> {
+    let (width, height) = (mask.width(), mask.height());
+    let site = |i: usize| if mask.get(i % width, i / width) == inside { i as u32 } else { NO_SITE };
+    let near = nearest_site(&Grid::from_vec(width, height, (0..width * height).map(site).collect()));
+    let away = |i: usize| match near.data()[i] {
+        NO_SITE => f32::INFINITY,
+        site => {
+            let site = site as usize;
+            let (dx, dy) = ((site % width).abs_diff(i % width), (site / width).abs_diff(i / width));
+            ((dx * dx + dy * dy) as f32).sqrt()
+        }
+    };
+    Grid::from_vec(width, height, (0..width * height).map(away).collect())
+}
 
 /// For every pixel of `sites` the value of the nearest pixel that is not [`NO_SITE`]; [`NO_SITE`] everywhere when
 /// there is none. Equal distances go to the lower row, then to the left column.

@@ -16,6 +16,13 @@ pub(crate) fn parts(mask: &Mask) -> Parts {
     flood(mask.width(), mask.height(), |x, y| mask.get(x, y), &every)
 }
 
+/// The largest part of `mask`; `None` of nothing.
+pub(crate) fn largest_part(mask: &Mask) -> Option<Mask> {
+    let parts = parts(mask);
+    let largest = (0..parts.areas.len()).max_by_key(|&part| parts.areas[part])?;
+    Some(Mask::from_fn(mask.width(), mask.height(), |x, y| parts.labels.get(x, y) as usize == largest + 1))
+}
+
 /// The mask without its holes of at most `largest` pixels. A hole is background that does not reach the border
 /// through four neighbours.
 pub(crate) fn without_holes(mask: &Mask, largest: usize) -> Mask {

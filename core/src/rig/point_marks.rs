@@ -14,8 +14,7 @@ use crate::error::{Error, Result};
 
 const FORMAT: &str = "marey-points";
 const VERSION: u32 = 1;
-/// Bounds that keep a hostile file from eating the machine.
-const MAX_POINTS: usize = 256;
+/// With the points' number, a bound that keeps a hostile file from eating the machine.
 const MAX_KEYS: usize = 100_000;
 
 /// A point's place on one frame.
@@ -62,7 +61,7 @@ struct PointsFile {
 
 impl PointMarks {
     /// How many points there can be.
-    pub const MOST: usize = MAX_POINTS;
+    pub const MOST: usize = 256;
 
     /// Reads points.json and validates it.
     ///
@@ -159,7 +158,7 @@ impl PointMarks {
     /// The first thing that is wrong.
     pub fn validate_draft(&self, frames: Option<usize>) -> Result<()> {
         let keys = self.points.iter().map(|p| p.keys.len()).sum();
-        let counts = [("points", self.points.len(), MAX_POINTS), ("keys", keys, MAX_KEYS)];
+        let counts = [("points", self.points.len(), Self::MOST), ("keys", keys, MAX_KEYS)];
         if let Some((what, value, max)) = counts.into_iter().find(|(_, value, max)| value > max) {
             return Err(Error::Limit {
                 what: format!("the number of {what}"),

@@ -6,12 +6,12 @@
 //!
 //! Known limits: a limb without a point is missing, limbs nearer than the closing are one.
 
-use glam::{Vec2, vec2};
+use glam::Vec2;
 
 use crate::geometry::polygon;
-use crate::raster::distance::{NO_SITE, nearest_site};
+use crate::raster::Mask;
+use crate::raster::distance::distance_to;
 use crate::raster::marching_squares::outlines;
-use crate::raster::{Grid, Mask};
 
 /// The radius that gaps are closed with and the body left around lines and points, as shares of the diagonal of the
 /// points' box: of 0.10 to 0.22 and 0.015 to 0.06 those that carried most points to the right place on drawings.
@@ -39,24 +39,12 @@ pub(crate) fn suggested(points: &[Vec2], joined: &[(usize, usize)], closing: f32
             drawn.set(p.x as usize, p.y as usize, true);
         }
     }
-    let away = distance(&drawn, true);
+    let away = distance_to(&drawn, true);
     let grown = Mask::from_fn(drawn.width(), drawn.height(), |x, y| away.get(x, y) <= closing * WORKING);
     // Holes count as inside: the outermost outline is the longest way around.
-    let found = outlines(&distance(&grown, false), (closing - BODY) * WORKING);
+    let found = outlines(&distance_to(&grown, false), (closing - BODY) * WORKING);
     let largest = found.into_iter().max_by(|a, b| polygon::signed_area(a).total_cmp(&polygon::signed_area(b)));
     largest.unwrap_or_default().into_iter().map(|p| (p - margin) / scale + low).collect()
-}
-
-/// How far every pixel is from the nearest one that is `inside` or not; infinite where there is none.
-pub(super) fn distance(mask: &Mask, inside: bool) -> Grid<f32> {
-    let (width, height) = (mask.width(), mask.height());
-    let site = |i: usize| if mask.get(i % width, i / width) == inside { i as u32 } else { NO_SITE };
-    let sites = nearest_site(&Grid::from_vec(width, height, (0..width * height).map(site).collect()));
-    let place = |i: usize| vec2((i % width) as f32, (i / width) as f32);
-    let away = |(i, site): (usize, &u32)| {
-        if *site == NO_SITE { f32::INFINITY } else { place(i).distance(place(*site as usize)) }
-    };
-    Grid::from_vec(width, height, sites.data().iter().enumerate().map(away).collect())
 }
 
 fn spanning_tree(points: &[Vec2]) -> Vec<(usize, usize)> {
@@ -81,6 +69,7 @@ fn spanning_tree(points: &[Vec2]) -> Vec<(usize, usize)> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use glam::vec2;
 
     #[test]
     fn a_figure_holds_its_points_and_keeps_far_limbs_apart() {

@@ -16,8 +16,8 @@ use super::limb::camera::camera_motion;
 use crate::clip::Clip;
 use crate::error::Result;
 use crate::job::Stage;
-use crate::raster::morphology::{parts, without_holes};
-use crate::raster::{Grid, Mask, Planes, pyramid};
+use crate::raster::morphology::{largest_part, without_holes};
+use crate::raster::{Mask, Planes, pyramid};
 
 /// The longer side of what is looked at.
 const WORKING: u32 = 320;
@@ -44,9 +44,7 @@ pub(crate) fn moving(clip: &Clip, frame: usize, stage: Stage<'_>) -> Result<Opti
         .flatten()
         .collect();
     let seen = |frame: usize| -> Result<Pyramid> {
-        let lab = Planes::lab(&pyramid::shrunk(&clip.frame(frame)?.rgb, columns, rows));
-        let lightness = lab.channel(0).data().iter().map(|l| l * 255.0).collect();
-        Ok(Pyramid::new(&Grid::from_vec(columns as usize, rows as usize, lightness)))
+        Ok(Pyramid::of(&Planes::lab(&pyramid::shrunk(&clip.frame(frame)?.rgb, columns, rows))))
     };
     let here = seen(frame)?;
     let flows = others
@@ -64,12 +62,8 @@ pub(crate) fn moving(clip: &Clip, frame: usize, stage: Stage<'_>) -> Result<Opti
     let centre = |(x, y): (usize, usize)| Vec2::new(x as f32 + 0.5, y as f32 + 0.5);
     let mut moves = Mask::new(columns as usize, rows as usize);
     places.filter(|at| has_moved(centre(*at), &flows)).for_each(|(x, y)| moves.set(x, y, true));
-    let pieces = parts(&moves);
-    let Some(largest) = (0..pieces.areas.len()).max_by_key(|&i| pieces.areas[i]) else { return Ok(None) };
-    if (pieces.areas[largest] as f64) < LEAST * f64::from(columns * rows) {
-        return Ok(None);
-    }
-    let piece = Mask::from_fn(moves.width(), moves.height(), |x, y| pieces.labels.get(x, y) as usize == largest + 1);
+    let least = LEAST * f64::from(columns * rows);
+    let Some(piece) = largest_part(&moves).filter(|piece| piece.count() as f64 >= least) else { return Ok(None) };
     let piece = without_holes(&piece, usize::MAX);
     let [across, down] =
         [(columns, info.width), (rows, info.height)].map(|(few, many)| few as usize as f32 / many as f32);

@@ -46,7 +46,7 @@ pub(crate) fn one_line(error: &clap::Error) -> String {
     let said = text.split("\n\nUsage:").next().unwrap_or(&text).split("\n\nFor more").next().unwrap_or_default();
     let words: Vec<&str> = said.split_whitespace().collect();
     let said = words.join(" ");
-    let command = std::env::args().nth(1).filter(|word| !word.starts_with('-') && said.find(&**word).is_none());
+    let command = std::env::args().nth(1).filter(|word| !word.starts_with('-') && !said.contains(&**word));
     let command = command.map_or(String::new(), |word| format!(" {word}"));
     format!("{}; `marey{command} --help` shows how", said.strip_prefix("error: ").unwrap_or(&said))
 }

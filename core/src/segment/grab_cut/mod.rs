@@ -25,6 +25,7 @@ use crate::clip::Picture;
 use crate::error::{Error, Result};
 use crate::geometry::polygon;
 use crate::job::Stage;
+use crate::raster::distance::distance_to;
 use crate::raster::marching_squares::outlines;
 use crate::raster::morphology::{parts, without_holes};
 use crate::raster::{Grid, Mask, pyramid};
@@ -315,7 +316,7 @@ fn away_from(figure: &[Vec2], to: Vec2, (columns, rows): &(Range<usize>, Range<u
     let coarse = [polygon::resample(figure, |_| 4.0 / to.min_element())];
     let place = |x: usize, y: usize| vec2((columns.start + x) as f32 + 0.5, (rows.start + y) as f32 + 0.5) / to;
     let inside = Mask::from_fn(columns.len(), rows.len(), |x, y| polygon::contain(&coarse, place(x, y)));
-    let mut away = figure::distance(&inside, true);
+    let mut away = distance_to(&inside, true);
     away.data_mut().iter_mut().for_each(|d| *d /= to.min_element());
     away
 }

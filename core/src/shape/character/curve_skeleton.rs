@@ -10,7 +10,7 @@ use super::skeleton::{Joint, Skeleton};
 use crate::error::Result;
 use crate::geometry::{polygon, polyline};
 use crate::job::Stage;
-use crate::raster::distance::{NO_SITE, nearest_site};
+use crate::raster::distance::distance_to;
 use crate::raster::morphology::{parts, without_holes};
 use crate::raster::thinning::thin;
 use crate::raster::{Grid, Mask};
@@ -52,7 +52,7 @@ impl CurveSkeleton {
         });
         let small = without_holes(&small, (small.count() as f64 * HOLE) as usize);
         let small = boned(&small);
-        let radius = depth(&small);
+        let radius = distance_to(&small, false);
         let mut rounds = 0;
         let line = thin(&small, || {
             rounds += 1;
@@ -403,20 +403,4 @@ fn boned(mask: &Mask) -> Mask {
         let part = parts.labels.get(x, y) as usize;
         part > 0 && parts.areas[part - 1] as f64 >= least
     })
-}
-
-/// How far the nearest pixel outside is, in pixels.
-fn depth(mask: &Mask) -> Grid<f32> {
-    let (width, height) = (mask.width(), mask.height());
-    let outside = |i: usize| !mask.get(i % width, i / width);
-    let sites = (0..width * height).map(|i| if outside(i) { i as u32 } else { NO_SITE }).collect();
-    let nearest = nearest_site(&Grid::from_vec(width, height, sites));
-    let gap = |i: usize| match nearest.get(i % width, i / width) {
-        NO_SITE => 0.0,
-        site => {
-            let site = site as usize;
-            vec2((site % width) as f32, (site / width) as f32).distance(vec2((i % width) as f32, (i / width) as f32))
-        }
-    };
-    Grid::from_vec(width, height, (0..width * height).map(gap).collect())
 }

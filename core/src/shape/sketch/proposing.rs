@@ -13,9 +13,9 @@ use crate::clip::Clip;
 use crate::error::{Error, Result};
 use crate::geometry::polygon;
 use crate::job::Stage;
-use crate::raster::distance::{NO_SITE, nearest_site};
-use crate::raster::morphology::{parts, without_holes};
-use crate::raster::{Grid, Mask};
+use crate::raster::Mask;
+use crate::raster::distance::distance_to;
+use crate::raster::morphology::{largest_part, without_holes};
 use crate::rig::{PointKey, PointMark, PointMarks};
 use crate::segment::grab_cut::{moving_object, plain_mask};
 use crate::shape::character::Skeleton;
@@ -103,7 +103,8 @@ impl Figure {
                 None => None,
             },
         };
-        let Some(object) = object.and_then(|mask| largest(&mask)) else { return Ok(None) };
+        let Some(object) = object.and_then(|mask| largest_part(&mask)) else { return Ok(None) };
+        let object = without_holes(&object, usize::MAX);
         let skeleton = CurveSkeleton::of(&object, stage.part(0.9, 1.0))?.joints()?;
         Ok(Some(Self { frame, object, skeleton }))
     }
@@ -149,15 +150,10 @@ impl Figure {
                 chosen.push(at);
             }
         }
-        let site = |i: usize| if object.get(i % width, i / width) { NO_SITE } else { i as u32 };
-        let sites = nearest_site(&Grid::from_vec(width, height, (0..width * height).map(site).collect()));
-        let depth = |at: &(usize, usize)| match sites.get(at.0, at.1) {
-            NO_SITE => f32::INFINITY,
-            site => centre(at).distance(vec2(site as f32 % width as f32, (site as usize / width) as f32) + 0.5),
-        };
+        let depth = distance_to(object, false);
         while chosen.len() < most {
             // Not on the rim, where the background is tracked as well.
-            let score = |at: &(usize, usize)| nearest(&chosen, centre(at)).min(4.0 * depth(at));
+            let score = |at: &(usize, usize)| nearest(&chosen, centre(at)).min(4.0 * depth.get(at.0, at.1));
             let Some(farthest) = inside.iter().max_by(|a, b| score(a).total_cmp(&score(b))) else { break };
             let apart = if chosen.len() < LEAST { 0.5 * APART } else { BODY_APART };
             if score(farthest) < apart * diagonal {
@@ -167,14 +163,6 @@ impl Figure {
         }
         chosen
     }
-}
-
-/// The largest piece, without holes; `None` of nothing.
-fn largest(mask: &Mask) -> Option<Mask> {
-    let pieces = parts(mask);
-    let best = (0..pieces.areas.len()).max_by_key(|&i| pieces.areas[i])?;
-    let piece = Mask::from_fn(mask.width(), mask.height(), |x, y| pieces.labels.get(x, y) as usize == best + 1);
-    Some(without_holes(&piece, usize::MAX))
 }
 
 #[cfg(test)]

@@ -16,7 +16,7 @@ use kurbo::Rect;
 
 use crate::error::Result;
 use crate::job::Stage;
-use crate::raster::distance::{NO_SITE, nearest_site};
+use crate::raster::distance::{NO_SITE, distance_to, nearest_site};
 use crate::raster::gaussian::gaussian;
 use crate::raster::{Grid, Mask, marching_squares, morphology};
 
@@ -122,13 +122,13 @@ impl RegionGrid {
     /// The region of a layer with this ink.
     pub(super) fn region(&self, ink: &Mask) -> Mask {
         let (expanded, closed) = (self.expanded(), CLOSED * self.diagonal / self.cell);
-        let away = distance(ink);
+        let away = distance_to(ink, true);
         let within =
             |away: &Grid<f32>, most: f32| Mask::from_fn(self.width, self.height, |x, y| away.get(x, y) <= most);
         let wide = within(&away, closed);
         let filled = morphology::without_holes(&wide, usize::MAX);
         let enclosed = Mask::from_fn(self.width, self.height, |x, y| filled.get(x, y) && !wide.get(x, y));
-        let inside = distance(&enclosed);
+        let inside = distance_to(&enclosed, true);
         let region =
             Mask::from_fn(self.width, self.height, |x, y| away.get(x, y) <= expanded || inside.get(x, y) <= closed);
         let mut bridged = region.clone();
@@ -211,21 +211,6 @@ fn sites(mask: &Mask) -> Grid<u32> {
     let (width, height) = (mask.width(), mask.height());
     let site = |i: usize| if mask.get(i % width, i / width) { i as u32 } else { NO_SITE };
     Grid::from_vec(width, height, (0..width * height).map(site).collect())
-}
-
-/// How far each cell is from the mask, in cells; infinite without one.
-fn distance(mask: &Mask) -> Grid<f32> {
-    let (width, height) = (mask.width(), mask.height());
-    let near = nearest_site(&sites(mask));
-    let away = |i: usize| match near.data()[i] {
-        NO_SITE => f32::INFINITY,
-        site => {
-            let site = site as usize;
-            let (dx, dy) = ((site % width).abs_diff(i % width), (site / width).abs_diff(i / width));
-            ((dx * dx + dy * dy) as f32).sqrt()
-        }
-    };
-    Grid::from_vec(width, height, (0..width * height).map(away).collect())
 }
 
 #[cfg(test)]

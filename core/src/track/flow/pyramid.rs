@@ -1,6 +1,6 @@
 //! Brightness pyramids with gradients, from half resolution down, padded so that patches may cross the border.
 
-use crate::raster::Grid;
+use crate::raster::{Grid, Planes};
 
 /// Pixels of repeated border around every level.
 pub(super) const PAD: usize = 16;
@@ -37,6 +37,13 @@ impl Pyramid {
             current = halve(&current);
         }
         Self { levels }
+    }
+
+    /// The pyramid of a picture's lightness, of its planes of CIE Lab.
+    pub(crate) fn of(lab: &Planes) -> Self {
+        let lightness = lab.channel(0);
+        let bright = lightness.data().iter().map(|l| l * 255.0).collect();
+        Self::new(&Grid::from_vec(lightness.width(), lightness.height(), bright))
     }
 }
 

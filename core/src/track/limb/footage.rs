@@ -127,10 +127,7 @@ impl Footage {
                 }
                 let picture = clip.frame(f)?;
                 let planes = Planes::lab(&pyramid::shrunk(&picture.rgb, width, height));
-                let pyramid = looked_at.motion[f].then(|| {
-                    let lightness = planes.channel(0).data().iter().map(|l| l * 255.0).collect();
-                    Pyramid::new(&Grid::from_vec(width as usize, height as usize, lightness))
-                });
+                let pyramid = looked_at.motion[f].then(|| Pyramid::of(&planes));
                 Ok((LabImage::new(&planes), pyramid))
             })
             .collect::<Result<_>>()?;

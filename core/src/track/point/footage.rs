@@ -13,7 +13,7 @@ use super::looks::{Levels, Rings};
 use crate::clip::Clip;
 use crate::error::Result;
 use crate::job::Stage;
-use crate::raster::{Grid, Planes, pyramid};
+use crate::raster::{Planes, pyramid};
 use crate::track::flow::{FlowField, Pyramid};
 use crate::track::limb;
 use crate::track::limb::footage::LabImage;
@@ -106,9 +106,7 @@ impl Footage {
                 };
                 let small = pyramid::shrunk(&rgb, columns, rows);
                 let lab = Planes::lab(&small);
-                let lightness = lab.channel(0).data().iter().map(|l| l * 255.0).collect();
-                let lightness = Grid::from_vec(columns as usize, rows as usize, lightness);
-                let seen = (LabImage::new(&lab), Pyramid::new(&lightness));
+                let seen = (LabImage::new(&lab), Pyramid::of(&lab));
                 Ok(((Levels::new(&rgb, alpha.as_ref()), small), seen))
             })
             .collect::<Result<_>>()?;
